@@ -1,0 +1,68 @@
+// The kernel interface: foveation is data, a kernel is a method, the grid is where.
+// A kernel holds configuration only; what a frame needs comes in, what it made goes out.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/kernels/frame_buffers.h"
+#include "server/kernels/history.h"
+#include "server/kernels/scene_frame.h"
+#include "server/scheduling/tile_scheduler.h"
+#include "shared/foveation/foveation_map.h"
+#include "shared/foveation/pixel_grid.h"
+#include "shared/image/tone.h"
+#include "shared/math/pose.h"
+
+namespace macula::kernels {
+
+using scheduling::TileScheduler;
+
+struct View {
+  Pose world_from_view;
+  PixelGrid grid;
+  Gaze gaze;
+  image::Tone tone;
+};
+
+struct FrameRequest {
+  std::span<const View> views;  ///< one, two or more; meters
+  const FoveationMap& foveation;
+  std::uint64_t frame = 0, seed = 0;
+};
+
+/// Work done and shortcuts taken in one frame; summed over its views.
+struct FrameReport {
+  bool stopped = false;  ///< the stop token fired: the buffers are incomplete, do not send them
+  std::uint64_t primary_rays = 0;
+  std::uint64_t shadow_rays = 0;
+  std::uint64_t non_finite_samples = 0;  ///< replaced by black and counted
+  double trace_ms = 0.0, shade_ms = 0.0;  ///< thread-summed shares of the frame where a kernel has them
+  std::vector<std::string> biased_shortcuts;  ///< empty in mode exact
+};
+
+/// A point to shade, e.g. of the second layer: what a ray hit, and where it came from.
+struct SurfacePoint {
+  DVec3 position{0.0};            ///< world, meters
+  Vec3 geometric_normal{0.0F};    ///< unit, world, towards the eye
+  Vec3 to_eye{0.0F};              ///< unit, world
+  std::uint32_t instance = 0, triangle = 0;
+  Vec2 barycentric{0.0F};
+  float footprint_m = 0.0F;       ///< width of the cell at the point, for texture filtering
+  std::uint64_t key = 0;          ///< sample identity (PixelGrid::cell_key or a hash of one's own)
+};
+
+class Kernel {
+ public:
+  virtual ~Kernel() = default;
+  /// One frame into `out`: linear Rec.709 radiance, view depth in meters, and the planes asked for.
+  virtual FrameReport render(const FrameRequest& request, const SceneFrame& scene, History& history,
+                             TileScheduler& scheduler, FrameBuffers& out) const = 0;
+  /// Radiance leaving surface points towards the eye. out.size() == points.size().
+  virtual void shade(std::span<const SurfacePoint> points, const SceneFrame& scene,
+                     TileScheduler& scheduler, std::span<Rgb> out) const = 0;
+};
+
+}  // namespace macula::kernels

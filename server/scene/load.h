@@ -1,0 +1,26 @@
+// Scenes by name or by file: the one door the programs use.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "server/scene/scene.h"
+#include "shared/base/result.h"
+
+namespace macula::scene {
+
+struct BuiltIn {
+  std::string_view name;
+  std::string_view summary;
+  Scene (*make)(std::uint64_t seed);
+};
+/// The visible table behind --list-scenes.
+std::span<const BuiltIn> built_in_scenes();
+
+/// A built-in name, or a path to .gltf / .glb with its optional side file NAME.macula.toml.
+/// An unknown name answers with the list of names; a bad file with its path, place and remedy.
+Result<std::shared_ptr<const Scene>> load_scene(const std::string& name_or_path);
+
+}  // namespace macula::scene

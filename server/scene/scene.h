@@ -1,0 +1,114 @@
+// Scene: what a file or a built-in generator says, validated, in meters, before any acceleration
+// structure. Immutable once made. Indices between the tables are always in range (import checks them).
+// Conventions (Y up, right-handed, counter-clockwise front faces) as in shared/math/frames.h.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/image/color.h"
+#include "shared/image/plane.h"
+#include "shared/image/png.h"
+#include "shared/image/tone.h"
+#include "shared/math/pose.h"
+
+namespace macula::scene {
+
+using Index = std::uint32_t;
+
+enum class ColorSpace { Linear, Srgb };
+struct Image {
+  std::string name;
+  image::Plane<image::Rgba8> pixels;
+};
+
+enum class Wrap { Repeat, Clamp, Mirror };
+struct TextureRef {
+  Index image = 0;
+  ColorSpace space = ColorSpace::Srgb;
+  Wrap wrap_u = Wrap::Repeat, wrap_v = Wrap::Repeat;
+  Vec2 uv_offset{0.0F}, uv_scale{1.0F};  ///< KHR_texture_transform: uv' = offset + R(rotation) scale uv
+  float uv_rotation_rad = 0.0F;
+};
+
+enum class AlphaMode { Opaque, Mask, Blend };
+
+/// glTF metallic-roughness. Factors multiply their textures.
+struct Material {
+  std::string name;
+  Rgb base_color{1.0F};                       ///< linear reflectance, [0, 1]
+  float alpha = 1.0F;
+  std::optional<TextureRef> base_color_texture;  ///< alpha in its fourth channel
+  float metallic = 0.0F;                      ///< [0, 1]
+  float roughness = 1.0F;                     ///< perceptual, alpha = roughness^2
+  std::optional<TextureRef> metallic_roughness_texture;  ///< G roughness, B metallic, linear
+  float specular = 1.0F;                      ///< KHR_materials_specular; 0 = pure Lambert
+  Rgb specular_color{1.0F};
+  Rgb emission{0.0F};                         ///< radiance in W/(sr m^2), front face only
+  std::optional<TextureRef> emission_texture;
+  AlphaMode alpha_mode = AlphaMode::Opaque;
+  float alpha_cutoff = 0.5F;
+  bool double_sided = false;
+
+  bool emits() const { return emission.x > 0.0F || emission.y > 0.0F || emission.z > 0.0F; }
+};
+
+/// One primitive: triangles that share a material.
+struct Mesh {
+  std::string name;
+  std::vector<Vec3> positions;    ///< meters, object space
+  std::vector<Vec3> normals;      ///< unit, as many as positions, or empty: flat shading
+  std::vector<Vec2> texcoords;    ///< as many as positions, or empty
+  std::vector<UVec3> triangles;   ///< indices into positions, counter-clockwise seen from the front
+  Index material = 0;
+};
+
+struct Instance {
+  Index mesh = 0;
+  DMat4 world_from_object{1.0};  ///< affine
+};
+
+enum class LightKind { Point, Spot, Directional };
+struct Light {
+  LightKind kind = LightKind::Point;
+  Rgb intensity{1.0F};                 ///< W/sr for Point and Spot; irradiance W/m^2 for Directional
+  DVec3 position{0.0};                 ///< world meters; unused for Directional
+  Vec3 direction{0.0F, -1.0F, 0.0F};   ///< unit, the way the light travels; unused for Point
+  Radians inner_cone{0.0}, outer_cone{Degrees{45.0}};  ///< Spot half-angles, glTF falloff
+};
+
+struct Camera {
+  std::string name;
+  Pose world_from_view;
+  Radians vertical_fov{Degrees{60.0}};
+};
+
+/// What the side file says, or what was guessed (`guesses` has a sentence for each guess).
+struct Settings {
+  double meters_per_unit = 1.0;
+  Pose scene_from_stage;             ///< where the viewer's stage stands, already in meters
+  image::Tone tone;
+  Rgb ambient{0.0F};                 ///< radiance of a constant environment, seen by ambient occlusion
+  double ambient_distance_m = std::numeric_limits<double>::infinity();  ///< occluders beyond do not count
+  std::vector<std::string> guesses;
+};
+
+struct Scene {
+  std::string name;
+  std::vector<Image> images;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Light> lights;
+  std::vector<Camera> cameras;
+  Settings settings;
+  std::vector<std::string> warnings;  ///< what the importer ignored or repaired
+
+  std::size_t triangle_count() const;           ///< over instances
+  std::size_t emissive_triangle_count() const;  ///< over instances
+};
+
+}  // namespace macula::scene

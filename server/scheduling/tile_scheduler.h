@@ -1,0 +1,56 @@
+// TileScheduler: runs the tiles of one pass on threads. Deterministic by construction: which thread
+// runs a tile never reaches the tile's work. Checks its stop token before every tile, so a vanished
+// client frees the threads within one tile. The only place that knows TBB.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <stop_token>
+#include <type_traits>
+
+#include "shared/image/plane.h"
+
+namespace macula::scheduling {
+
+enum class Outcome { Completed, Stopped };
+
+class TileScheduler {
+ public:
+  /// `threads` = 0 takes what the machine offers. Workers run with denormals flushed (FTZ + DAZ).
+  explicit TileScheduler(int threads = 0);
+  ~TileScheduler();
+  TileScheduler(const TileScheduler&) = delete;
+  TileScheduler& operator=(const TileScheduler&) = delete;
+
+  int threads() const;
+  /// A stop request makes run() return Stopped after the tiles already begun.
+  void set_stop_token(std::stop_token token);
+
+  /// body(std::size_t index) for every index in [0, count).
+  template <class Body>
+  Outcome run(std::size_t count, Body&& body) {
+    using Plain = std::remove_reference_t<Body>;
+    return run_erased(count, const_cast<void*>(static_cast<const void*>(&body)),
+                      [](void* context, std::size_t index) { (*static_cast<Plain*>(context))(index); });
+  }
+  /// body(image::Rect tile) over a picture, in tiles of at most side x side.
+  template <class Body>
+  Outcome run_tiles(int width, int height, int side, Body&& body) {
+    const int columns = (width + side - 1) / side, rows = (height + side - 1) / side;
+    return run(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows),
+               [&](std::size_t index) {
+                 const int x = static_cast<int>(index) % columns * side;
+                 const int y = static_cast<int>(index) / columns * side;
+                 body(image::Rect{x, y, x + side < width ? side : width - x,
+                                  y + side < height ? side : height - y});
+               });
+  }
+
+ private:
+  Outcome run_erased(std::size_t count, void* context, void (*body)(void*, std::size_t));
+  struct Arena;
+  std::unique_ptr<Arena> arena_;
+  std::stop_token stop_;
+};
+
+}  // namespace macula::scheduling
