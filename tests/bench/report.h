@@ -1,0 +1,32 @@
+// What every experiment leaves behind: one table on stdout and, when asked, one JSON file
+//   {"experiment","machine":{},"commit","config":{},"rows":[{...}]}
+// Plain numbers with the unit in the key (_ms _px _db _bytes). Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "shared/base/result.h"
+
+namespace macula::bench {
+
+/// A non-finite double is printed as it is and becomes null in JSON.
+using Value = std::variant<double, std::int64_t, bool, std::string>;
+/// Keys in the order they are to be read.
+using Fields = std::vector<std::pair<std::string, Value>>;
+
+struct Report {
+  std::string experiment;
+  Fields config;             ///< the effective options
+  std::vector<Fields> rows;  ///< all with the same keys in the same order
+};
+
+/// Adds the machine (cpu, cores, isa) and the commit the program was configured at. Overwrites.
+Result<void> write_json(const std::string& path, const Report& report);
+/// The rows under one header line, columns aligned.
+std::string table_text(const std::vector<Fields>& rows);
+
+}  // namespace macula::bench
