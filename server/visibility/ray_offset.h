@@ -1,0 +1,28 @@
+// Where a ray that leaves a surface starts: far enough out that rounding cannot put the surface in
+// its way, near enough that no visible gap opens. World space, meters. Source: the error-bounded
+// offset of Pharr, Jakob, Humphreys, "Physically Based Rendering" (4th ed. 2023), section 6.8.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "shared/math/vec.h"
+
+namespace macula::visibility {
+
+/// `normal`: unit geometric normal on the side the ray leaves to. `travelled_m`: length of the ray
+/// that found `point` when the point was computed as origin + t direction; 0 when it was
+/// interpolated from the triangle's vertices, whose error does not grow with distance.
+inline Vec3 offset_ray_origin(const Vec3& point, const Vec3& normal, float travelled_m = 0.0F) {
+  // 16 units in the last place of the largest coordinate: 3 for the interpolation of the point, 1
+  // for this addition, the rest for the transforms of instances and the intersector's own rounding.
+  constexpr float kUlps = 16.0F;
+  const float largest =
+      std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z), travelled_m});
+  const float offset = kUlps * std::numeric_limits<float>::epsilon() *
+                       std::max(largest, std::numeric_limits<float>::min());
+  return point + offset * normal;
+}
+
+}  // namespace macula::visibility

@@ -1,0 +1,75 @@
+// TriangleScene: closest-hit and occlusion queries against the triangles of one scene. World space,
+// meters, float. Immutable once made; queries are safe from any number of threads at once.
+// Meshes with several instances are stored once and instanced, the others are flattened into the
+// top level; a hit names the scene's own instance either way. The only room that knows Embree.
+// Alpha: a point of a Mask material is there where alpha >= alpha_cutoff; Blend is treated as a
+// mask with cutoff 0.5, a biased shortcut without noise. Alpha is the nearest texel, base level.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "server/scene/scene.h"
+#include "server/visibility/ray_offset.h"
+#include "server/visibility/ray_stream.h"
+#include "shared/base/result.h"
+
+namespace macula::visibility {
+
+/// What the rays of one call have in common; the wrong answer costs half the rate, never a hit.
+enum class Coherence { Coherent, Incoherent };
+
+/// Robust: rays cannot slip between triangles that share an edge (costs 10-15 %).
+enum class EdgeTest { Robust, Fast };
+enum class BuildQuality { Low, Medium, High };
+/// Rays traced together; Device: 16 where the processor has them natively, else 8.
+enum class PacketWidth { Device, One, Eight, Sixteen };
+
+struct Options {
+  EdgeTest edges = EdgeTest::Robust;
+  BuildQuality quality = BuildQuality::Medium;
+  PacketWidth packets = PacketWidth::Device;
+};
+
+struct Ray {
+  Vec3 origin{0.0F};     ///< world, meters
+  Vec3 direction{0.0F};  ///< any length; t counts in it
+  float tnear = 0.0F;
+  float tfar = std::numeric_limits<float>::infinity();
+};
+
+/// As HitStream, for one ray.
+struct Hit {
+  float t = 0.0F, u = 0.0F, v = 0.0F;
+  Vec3 normal{0.0F};
+  std::uint32_t instance = 0, triangle = 0;
+};
+
+class TriangleScene {
+ public:
+  /// Builds on all cores. A scene without triangles is legal: every ray misses. Errors: the device
+  /// cannot be made, memory runs out, an instance's transform is not invertible.
+  static Result<std::shared_ptr<const TriangleScene>> create(const scene::Scene& scene,
+                                                             const Options& options = {});
+  ~TriangleScene();
+  TriangleScene(const TriangleScene&) = delete;
+  TriangleScene& operator=(const TriangleScene&) = delete;
+
+  /// The closest hit of rays[0 .. count). Rays with a non-finite origin or direction meet nothing.
+  void intersect(const RayStream& rays, HitStream& hits, Coherence coherence) const;
+  void occluded(const RayStream& rays, OcclusionStream& result, Coherence coherence) const;
+
+  /// One ray; four times as costly as its share of a coherent stream.
+  std::optional<Hit> intersect(const Ray& ray) const;
+  bool occluded(const Ray& ray) const;
+
+  /// Rays per packet in use: 1, 8 or 16. Tiles that keep 4x4 or 4x2 neighbours together fit it.
+  int packet_width() const;
+
+ private:
+  TriangleScene();
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace macula::visibility
