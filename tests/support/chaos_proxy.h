@@ -1,0 +1,51 @@
+// A TCP proxy on loopback that misbehaves on purpose: delay, jitter, a rate limit, one flipped bit,
+// stalls and cuts, per direction. One thread of its own; every chance comes from the seed. All public
+// members are thread-safe and act on the connections that exist now and on later ones.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "shared/base/result.h"
+
+namespace macula::support {
+
+enum class Direction { ToServer, ToClient };
+
+/// How one direction carries bytes. The defaults carry them at once.
+struct LinkShape {
+  std::chrono::nanoseconds delay{0};   ///< one way, added to every byte
+  std::chrono::nanoseconds jitter{0};  ///< uniform extra in [0, jitter] per chunk; order is kept
+  double bytes_per_s = 0.0;            ///< 0 = no limit; 2 Mbit/s is 250e3
+  std::size_t buffer_bytes = 65536;    ///< what the link holds before the sender feels it
+};
+
+class ChaosProxy {
+ public:
+  /// `server` is "tcp://127.0.0.1:PORT". Listens on a free port of 127.0.0.1.
+  static Result<std::unique_ptr<ChaosProxy>> create(const std::string& server,
+                                                    std::uint64_t seed = 1);
+  virtual ~ChaosProxy() = default;
+
+  /// "tcp://127.0.0.1:PORT": where the client connects.
+  virtual std::string endpoint() const = 0;
+  /// Where connections made from now on lead.
+  virtual void lead_to(const std::string& server) = 0;
+  virtual void shape(Direction direction, const LinkShape& shape) = 0;
+  /// Flips one bit, once, in the byte that comes after `skip` more bytes of this direction.
+  virtual void flip_bit_after(Direction direction, std::uint64_t skip) = 0;
+  /// Nothing passes until resume(); connections stay open.
+  virtual void stall(Direction direction) = 0;
+  virtual void resume(Direction direction) = 0;
+  /// Closes every connection now; new ones are still taken.
+  virtual void cut() = 0;
+
+  /// Bytes forwarded so far, over all connections.
+  virtual std::uint64_t bytes(Direction direction) const = 0;
+  virtual std::uint64_t bits_flipped() const = 0;
+  virtual std::uint64_t connections_taken() const = 0;
+};
+
+}  // namespace macula::support
