@@ -45,6 +45,8 @@ struct Hit {
   std::uint32_t instance = 0, triangle = 0;
 };
 
+struct SceneState;  // what Embree holds; internal
+
 class TriangleScene {
  public:
   /// Builds on all cores. A scene without triangles is legal: every ray misses. Errors: the device
@@ -67,9 +69,8 @@ class TriangleScene {
   int packet_width() const;
 
  private:
-  TriangleScene();
-  struct State;
-  std::unique_ptr<State> state_;
+  explicit TriangleScene(std::unique_ptr<SceneState> state);
+  std::unique_ptr<SceneState> state_;
 };
 
 }  // namespace macula::visibility

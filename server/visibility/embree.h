@@ -1,0 +1,79 @@
+// The one place that names Embree's header and hides the difference between versions 3 and 4: how
+// the coherence of a query is told. Internal to this room.
+#pragma once
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include "server/visibility/visibility.h"
+
+namespace macula::visibility::embree {
+
+#if RTC_VERSION_MAJOR >= 4
+inline RTCRayQueryFlags query_flags(Coherence coherence) {
+  return coherence == Coherence::Coherent ? RTC_RAY_QUERY_FLAG_COHERENT
+                                          : RTC_RAY_QUERY_FLAG_INCOHERENT;
+}
+struct IntersectCall {
+  RTCIntersectArguments arguments;
+  explicit IntersectCall(Coherence coherence) {
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = query_flags(coherence);
+  }
+  void trace(const int*, RTCScene scene, RTCRayHit& r) { rtcIntersect1(scene, &r, &arguments); }
+  void trace(const int* valid, RTCScene scene, RTCRayHit8& r) {
+    rtcIntersect8(valid, scene, &r, &arguments);
+  }
+  void trace(const int* valid, RTCScene scene, RTCRayHit16& r) {
+    rtcIntersect16(valid, scene, &r, &arguments);
+  }
+};
+struct OccludedCall {
+  RTCOccludedArguments arguments;
+  explicit OccludedCall(Coherence coherence) {
+    rtcInitOccludedArguments(&arguments);
+    arguments.flags = query_flags(coherence);
+  }
+  void trace(const int*, RTCScene scene, RTCRay& r) { rtcOccluded1(scene, &r, &arguments); }
+  void trace(const int* valid, RTCScene scene, RTCRay8& r) {
+    rtcOccluded8(valid, scene, &r, &arguments);
+  }
+  void trace(const int* valid, RTCScene scene, RTCRay16& r) {
+    rtcOccluded16(valid, scene, &r, &arguments);
+  }
+};
+#else
+struct ContextCall {
+  RTCIntersectContext context;
+  explicit ContextCall(Coherence coherence) {
+    rtcInitIntersectContext(&context);
+    context.flags = coherence == Coherence::Coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                     : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  }
+};
+struct IntersectCall : ContextCall {
+  using ContextCall::ContextCall;
+  void trace(const int*, RTCScene scene, RTCRayHit& r) { rtcIntersect1(scene, &context, &r); }
+  void trace(const int* valid, RTCScene scene, RTCRayHit8& r) {
+    rtcIntersect8(valid, scene, &context, &r);
+  }
+  void trace(const int* valid, RTCScene scene, RTCRayHit16& r) {
+    rtcIntersect16(valid, scene, &context, &r);
+  }
+};
+struct OccludedCall : ContextCall {
+  using ContextCall::ContextCall;
+  void trace(const int*, RTCScene scene, RTCRay& r) { rtcOccluded1(scene, &context, &r); }
+  void trace(const int* valid, RTCScene scene, RTCRay8& r) {
+    rtcOccluded8(valid, scene, &context, &r);
+  }
+  void trace(const int* valid, RTCScene scene, RTCRay16& r) {
+    rtcOccluded16(valid, scene, &context, &r);
+  }
+};
+#endif
+
+}  // namespace macula::visibility::embree

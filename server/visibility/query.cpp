@@ -1,0 +1,181 @@
+// Streams of rays through Embree, one packet at a time.
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "server/visibility/state.h"
+
+namespace macula::visibility {
+namespace {
+
+/// Embree's structures for packets of kWidth rays; width 1 has scalars where the others have
+/// arrays.
+template <int kWidth>
+struct Packet;
+template <>
+struct Packet<1> {
+  using Ray = RTCRay;
+  using RayHit = RTCRayHit;
+};
+template <>
+struct Packet<8> {
+  using Ray = RTCRay8;
+  using RayHit = RTCRayHit8;
+};
+template <>
+struct Packet<16> {
+  using Ray = RTCRay16;
+  using RayHit = RTCRayHit16;
+};
+
+template <class T>
+T* lanes(T& scalar) {
+  return &scalar;
+}
+template <class T, std::size_t kWidth>
+T* lanes(T (&array)[kWidth]) {
+  return array;
+}
+
+/// Copies `n` values of a stream into the first lanes of a packet.
+template <class Lanes>
+void load(Lanes& out, const float* in, int n) {
+  std::memcpy(lanes(out), in, static_cast<std::size_t>(n) * sizeof(float));
+}
+
+/// x - x is 0 exactly for finite x, NaN otherwise.
+bool is_finite_ray(const RayStream& rays, int i) {
+  const float sum = (rays.ox[i] - rays.ox[i]) + (rays.oy[i] - rays.oy[i]) +
+                    (rays.oz[i] - rays.oz[i]) + (rays.dx[i] - rays.dx[i]) +
+                    (rays.dy[i] - rays.dy[i]) + (rays.dz[i] - rays.dz[i]);
+  return sum == 0.0F;
+}
+
+/// Embree's valid mask of one packet: -1 for a ray to trace, 0 for an idle lane.
+template <int kWidth>
+struct alignas(64) Valid {
+  int lane[kWidth] = {};
+};
+
+template <int kWidth>
+Valid<kWidth> load_rays(const RayStream& rays, int first, typename Packet<kWidth>::Ray& out) {
+  const int n = std::min(kWidth, rays.count - first);
+  load(out.org_x, rays.ox + first, n);
+  load(out.org_y, rays.oy + first, n);
+  load(out.org_z, rays.oz + first, n);
+  load(out.dir_x, rays.dx + first, n);
+  load(out.dir_y, rays.dy + first, n);
+  load(out.dir_z, rays.dz + first, n);
+  load(out.tnear, rays.tnear + first, n);
+  load(out.tfar, rays.tfar + first, n);
+  Valid<kWidth> valid;
+  for (int i = 0; i < n; ++i) {
+    lanes(out.time)[i] = 0.0F;
+    lanes(out.mask)[i] = ~0U;
+    lanes(out.flags)[i] = 0;
+    const bool runs = rays.tnear[first + i] <= rays.tfar[first + i];
+    valid.lane[i] = runs && is_finite_ray(rays, first + i) ? -1 : 0;
+  }
+  return valid;
+}
+
+/// Embree may leave the hit of an idle lane alone, so "nothing" is written before the call.
+template <class EmbreeHit>
+void clear_ids(EmbreeHit& hit, int n) {
+  for (int i = 0; i < n; ++i) {
+    lanes(hit.geomID)[i] = RTC_INVALID_GEOMETRY_ID;
+    lanes(hit.instID[0])[i] = RTC_INVALID_GEOMETRY_ID;
+  }
+}
+
+template <class RayHit>
+void store_hit(RayHit& in, int lane, const SceneState& state, HitStream& out, int i) {
+  const std::uint32_t geometry = lanes(in.hit.geomID)[lane];
+  out.instance[i] = kNothing;
+  if (geometry == RTC_INVALID_GEOMETRY_ID) return;
+  const std::uint32_t outer = lanes(in.hit.instID[0])[lane];
+  out.instance[i] = outer == RTC_INVALID_GEOMETRY_ID ? geometry : outer;
+  out.triangle[i] = lanes(in.hit.primID)[lane];
+  out.t[i] = lanes(in.ray.tfar)[lane];
+  out.u[i] = lanes(in.hit.u)[lane];
+  out.v[i] = lanes(in.hit.v)[lane];
+  const Vec3 by_winding{lanes(in.hit.Ng_x)[lane], lanes(in.hit.Ng_y)[lane],
+                        lanes(in.hit.Ng_z)[lane]};
+  const Vec3 normal = glm::normalize(state.world_normal_from_embree[out.instance[i]] * by_winding);
+  out.nx[i] = normal.x, out.ny[i] = normal.y, out.nz[i] = normal.z;
+}
+
+template <int kWidth>
+void intersect_stream(const RayStream& rays, const SceneState& state, Coherence coherence,
+                      HitStream& hits) {
+  embree::IntersectCall call(coherence);
+  typename Packet<kWidth>::RayHit packet{};
+  for (int first = 0; first < rays.count; first += kWidth) {
+    const int n = std::min(kWidth, rays.count - first);
+    const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet.ray);
+    clear_ids(packet.hit, n);
+    if (kWidth > 1 || valid.lane[0] != 0) call.trace(valid.lane, state.top, packet);
+    for (int i = 0; i < n; ++i) store_hit(packet, i, state, hits, first + i);
+  }
+}
+
+template <int kWidth>
+void occlude_stream(const RayStream& rays, const SceneState& state, Coherence coherence,
+                    OcclusionStream& result) {
+  embree::OccludedCall call(coherence);
+  typename Packet<kWidth>::Ray packet{};
+  for (int first = 0; first < rays.count; first += kWidth) {
+    const int n = std::min(kWidth, rays.count - first);
+    const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet);
+    if (kWidth > 1 || valid.lane[0] != 0) call.trace(valid.lane, state.top, packet);
+    for (int i = 0; i < n; ++i) {
+      // Embree marks an occluded ray by tfar = -infinity.
+      const bool marked = lanes(packet.tfar)[i] == -std::numeric_limits<float>::infinity();
+      result.occluded[first + i] = valid.lane[i] != 0 && marked ? 1 : 0;
+    }
+  }
+}
+
+}  // namespace
+
+void TriangleScene::intersect(const RayStream& rays, HitStream& hits, Coherence coherence) const {
+  switch (state_->packet_width) {
+    case 16:
+      return intersect_stream<16>(rays, *state_, coherence, hits);
+    case 8:
+      return intersect_stream<8>(rays, *state_, coherence, hits);
+    default:
+      return intersect_stream<1>(rays, *state_, coherence, hits);
+  }
+}
+
+void TriangleScene::occluded(const RayStream& rays, OcclusionStream& result,
+                             Coherence coherence) const {
+  switch (state_->packet_width) {
+    case 16:
+      return occlude_stream<16>(rays, *state_, coherence, result);
+    case 8:
+      return occlude_stream<8>(rays, *state_, coherence, result);
+    default:
+      return occlude_stream<1>(rays, *state_, coherence, result);
+  }
+}
+
+std::optional<Hit> TriangleScene::intersect(const Ray& ray) const {
+  RayStream rays;
+  HitStream hits;
+  rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar);
+  intersect_stream<1>(rays, *state_, Coherence::Incoherent, hits);
+  if (!hits.hit(0)) return std::nullopt;
+  return Hit{hits.t[0], hits.u[0], hits.v[0], hits.normal(0), hits.instance[0], hits.triangle[0]};
+}
+
+bool TriangleScene::occluded(const Ray& ray) const {
+  RayStream rays;
+  OcclusionStream result;
+  rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar);
+  occlude_stream<1>(rays, *state_, Coherence::Incoherent, result);
+  return result.occluded[0] != 0;
+}
+
+}  // namespace macula::visibility
