@@ -1,6 +1,6 @@
 // A TCP proxy on loopback that misbehaves on purpose: delay, jitter, a rate limit, one flipped bit,
-// stalls and cuts, per direction. One thread of its own; every chance comes from the seed. All public
-// members are thread-safe and act on the connections that exist now and on later ones.
+// stalls and cuts, per direction. One thread of its own; every chance comes from the seed. All
+// public members are thread-safe and act on the connections that exist now and on later ones.
 #pragma once
 
 #include <chrono>
@@ -34,7 +34,7 @@ class ChaosProxy {
   /// Where connections made from now on lead.
   virtual void lead_to(const std::string& server) = 0;
   virtual void shape(Direction direction, const LinkShape& shape) = 0;
-  /// Flips one bit, once, in the byte that comes after `skip` more bytes of this direction.
+  /// Flips one bit, once, in the byte that enters this direction after `skip` more bytes.
   virtual void flip_bit_after(Direction direction, std::uint64_t skip) = 0;
   /// Nothing passes until resume(); connections stay open.
   virtual void stall(Direction direction) = 0;
