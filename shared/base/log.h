@@ -9,9 +9,17 @@ enum class LogLevel { Trace, Info, Warning, Error, Off };
 
 void set_log_level(LogLevel level);
 void log(LogLevel level, std::string_view message);
-inline void log_trace(std::string_view message) { log(LogLevel::Trace, message); }
-inline void log_info(std::string_view message) { log(LogLevel::Info, message); }
-inline void log_warning(std::string_view message) { log(LogLevel::Warning, message); }
-inline void log_error(std::string_view message) { log(LogLevel::Error, message); }
+inline void log_trace(std::string_view message) {
+  log(LogLevel::Trace, message);
+}
+inline void log_info(std::string_view message) {
+  log(LogLevel::Info, message);
+}
+inline void log_warning(std::string_view message) {
+  log(LogLevel::Warning, message);
+}
+inline void log_error(std::string_view message) {
+  log(LogLevel::Error, message);
+}
 
 }  // namespace macula::base

@@ -1,5 +1,6 @@
-// Hand-over between threads. Mailbox holds the newest value only: putting replaces what nobody took.
-// Channel is a bounded FIFO: putting into a full one fails at once, it never blocks the producer.
+// Hand-over between threads. Mailbox holds the newest value only: putting replaces what nobody
+// took. Channel is a bounded FIFO: putting into a full one fails at once, it never blocks the
+// producer.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,6 @@
-// FoveationMap: the rate wanted in every cell of every view of one frame, handed out by row so that no
-// full-size map need exist. Rates are samples per nominal display pixel; where a cell is larger than a
-// nominal pixel, `samples_wanted_row` says how many samples the cell itself still deserves.
+// FoveationMap: the rate wanted in every cell of every view of one frame, handed out by row so that
+// no full-size map need exist. Rates are samples per nominal display pixel; where a cell is larger
+// than a nominal pixel, `samples_wanted_row` says how many samples the cell itself still deserves.
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
-// Holds the last usable gaze: non-finite or zero directions are replaced by the last valid one, then by
-// the view axis; directions are normalised. One filter per eye.
+// Holds the last usable gaze: non-finite or zero directions are replaced by the last valid one,
+// then by the view axis; directions are normalised. One filter per eye.
 #pragma once
 
 #include "shared/foveation/gaze.h"

@@ -1,8 +1,8 @@
-// PixelGrid: where a picture is sampled. Strictly increasing tables of cell edges on the view's tangent
-// plane (frames.h: x right, y down). Equal steps make an ordinary picture; a foveal grid has steps of
-// one nominal display pixel (or a fraction of it) around the gaze and wider ones outside. Guard bands
-// and oversampled foveas are grids, not special cases. A cell's identity is its rectangle, so the same
-// rectangle in two grids gets the same samples.
+// PixelGrid: where a picture is sampled. Strictly increasing tables of cell edges on the view's
+// tangent plane (frames.h: x right, y down). Equal steps make an ordinary picture; a foveal grid
+// has steps of one nominal display pixel (or a fraction of it) around the gaze and wider ones
+// outside. Guard bands and oversampled foveas are grids, not special cases. A cell's identity is
+// its rectangle, so the same rectangle in two grids gets the same samples.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,8 @@ struct PixelGrid {
   Vec2 footprint(int x, int y) const {
     return {x_edges[x + 1] - x_edges[x], y_edges[y + 1] - y_edges[y]};
   }
-  /// Continuous cell coordinates (cell i's centre is i + 0.5) of a tangent; nullopt outside the grid.
+  /// Continuous cell coordinates (cell i's centre is i + 0.5) of a tangent; nullopt outside the
+  /// grid.
   std::optional<Vec2> locate(const Vec2& tangent) const;
   /// The same for a view-space point; nullopt behind the eye or outside the grid.
   std::optional<Vec2> project(const Vec3& view_point) const;

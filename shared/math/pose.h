@@ -8,8 +8,8 @@
 namespace macula::math {
 
 struct Pose {
-  DVec3 position{0.0};                   ///< source origin in the target frame, meters
-  DQuat rotation{1.0, 0.0, 0.0, 0.0};    ///< unit quaternion, rotates source directions into target
+  DVec3 position{0.0};                 ///< source origin in the target frame, meters
+  DQuat rotation{1.0, 0.0, 0.0, 0.0};  ///< unit quaternion, rotates source directions into target
 
   DVec3 transform_point(const DVec3& point) const { return position + rotation * point; }
   DVec3 transform_direction(const DVec3& direction) const { return rotation * direction; }
@@ -18,7 +18,8 @@ struct Pose {
 /// a_from_b * b_from_c = a_from_c.
 Pose operator*(const Pose& a_from_b, const Pose& b_from_c);
 Pose inverse(const Pose& a_from_b);
-/// Position linearly, rotation along the shorter arc; t = 0 gives a, 1 gives b; t outside extrapolates.
+/// Position linearly, rotation along the shorter arc; t = 0 gives a, 1 gives b; t outside
+/// extrapolates.
 Pose interpolate(const Pose& a, const Pose& b, double t);
 /// Rotation angle between the orientations of two poses, in [0, 180] degrees.
 Radians angle_between(const Pose& a, const Pose& b);

@@ -41,7 +41,8 @@ class Degrees {
   double value_ = 0.0;
 };
 
-constexpr Radians::Radians(Degrees degrees) : value_(degrees.value() * (std::numbers::pi / 180.0)) {}
+constexpr Radians::Radians(Degrees degrees)
+    : value_(degrees.value() * (std::numbers::pi / 180.0)) {}
 
 }  // namespace macula::units
 

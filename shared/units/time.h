@@ -8,7 +8,8 @@ namespace macula::units {
 
 using Nanoseconds = std::chrono::nanoseconds;
 
-/// Tags for std::chrono::time_point; they carry no now(), because "now" is an argument (base::Clock).
+/// Tags for std::chrono::time_point; they carry no now(), because "now" is an argument
+/// (base::Clock).
 struct ServerClockTag {
   using duration = Nanoseconds;
   using rep = duration::rep;
@@ -25,12 +26,18 @@ struct ClientClockTag {
 using ServerTime = std::chrono::time_point<ServerClockTag, Nanoseconds>;
 using ClientTime = std::chrono::time_point<ClientClockTag, Nanoseconds>;
 
-constexpr double to_ms(Nanoseconds duration) { return static_cast<double>(duration.count()) * 1e-6; }
-constexpr double to_s(Nanoseconds duration) { return static_cast<double>(duration.count()) * 1e-9; }
+constexpr double to_ms(Nanoseconds duration) {
+  return static_cast<double>(duration.count()) * 1e-6;
+}
+constexpr double to_s(Nanoseconds duration) {
+  return static_cast<double>(duration.count()) * 1e-9;
+}
 constexpr Nanoseconds from_ms(double ms) {
   return Nanoseconds{static_cast<Nanoseconds::rep>(ms * 1e6 + (ms < 0 ? -0.5 : 0.5))};
 }
-constexpr Nanoseconds from_s(double s) { return from_ms(s * 1e3); }
+constexpr Nanoseconds from_s(double s) {
+  return from_ms(s * 1e3);
+}
 
 }  // namespace macula::units
 
