@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and runs every test: ./deploy/test.sh [--no-install] [--full] [--fast]
+#   --no-install  take the machine as it is (no apt)
+#   --fast        release build and its tests only; no sanitizers, no partial builds
+#   --full        adds the long runs (sanitizers over every test, repeated loopback)
+source "$(dirname "$0")/common.sh"
+
+install=yes depth=normal
+for argument in "$@"; do
+  case $argument in
+    --no-install) install=no ;;
+    --fast) depth=fast ;;
+    --full) depth=full ;;
+    -h | --help) sed -n '2,6s/^# //p' "$0"; exit 0 ;;
+    *) echo "deploy/test.sh: unknown option '$argument' (known: --no-install, --fast, --full)" >&2; exit 2 ;;
+  esac
+done
+if [ "$install" = yes ]; then "$root/deploy/install.sh" build test; fi
+
+say() { printf '\n== %s (%s)\n' "$*" "$(date -u +%H:%M:%S)"; }
+run_ctest() {  # run_ctest PRESET [ctest options...]
+  local preset=$1
+  shift
+  ctest --test-dir "build/$preset" --output-on-failure --no-tests=error -j2 "$@"
+}
+
+say "release build, warnings are errors"
+configure_and_build release
+say "every test"
+run_ctest release
+[ "$depth" = fast ] && exit 0
+
+# Sanitizers watch the code, not its speed: the tests that only measure stay out unless --full.
+sanitized=(-LE "bench|slow")
+[ "$depth" = full ] && sanitized=()
+
+say "address and undefined-behaviour sanitizers"
+configure_and_build asan
+ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1 \
+  run_ctest asan "${sanitized[@]}"
+
+say "thread sanitizer"
+configure_and_build tsan
+TSAN_OPTIONS="suppressions=$root/tests/support/tsan.supp halt_on_error=1 second_deadlock_stack=1" \
+  setarch -R ctest --test-dir build/tsan --output-on-failure --no-tests=error -j2 -L "threads|loopback"
+
+say "server alone, client alone"
+configure_and_build server-only
+configure_and_build client-only
+"$root/deploy/check_links.sh"
