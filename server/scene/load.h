@@ -1,6 +1,7 @@
 // Scenes by name or by file: the one door the programs use.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -22,5 +23,9 @@ std::span<const BuiltIn> built_in_scenes();
 /// A built-in name, or a path to .gltf / .glb with its optional side file NAME.macula.toml.
 /// An unknown name answers with the list of names; a bad file with its path, place and remedy.
 Result<std::shared_ptr<const Scene>> load_scene(const std::string& name_or_path);
+
+/// What --list-scenes prints: one line a built-in scene, with its counts. Generates every one of
+/// them.
+std::string describe_built_in_scenes();
 
 }  // namespace macula::scene

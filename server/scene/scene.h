@@ -96,6 +96,17 @@ struct Settings {
   std::vector<std::string> guesses;
 };
 
+/// Axis-aligned box in world meters; empty (minimum > maximum) for a scene without triangles.
+struct Bounds {
+  DVec3 minimum{std::numeric_limits<double>::infinity()};
+  DVec3 maximum{-std::numeric_limits<double>::infinity()};
+
+  bool empty() const { return minimum.x > maximum.x; }
+  DVec3 size() const { return empty() ? DVec3{0.0} : maximum - minimum; }
+  DVec3 centre() const { return empty() ? DVec3{0.0} : 0.5 * (minimum + maximum); }
+  void include(const DVec3& point);
+};
+
 struct Scene {
   std::string name;
   std::vector<Image> images;
@@ -109,6 +120,11 @@ struct Scene {
 
   std::size_t triangle_count() const;           ///< over instances
   std::size_t emissive_triangle_count() const;  ///< over instances
+  std::size_t unique_triangle_count() const;    ///< over meshes: what lies in memory
+  Bounds bounds() const;                        ///< over instances' vertices
 };
+
+/// Counts of a scene in one line: triangles, emissive triangles, lights, materials, textures, size.
+std::string describe(const Scene& scene);
 
 }  // namespace macula::scene

@@ -1,0 +1,58 @@
+#include "server/scene/scene.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+
+namespace macula::scene {
+
+void Bounds::include(const DVec3& point) {
+  for (int axis = 0; axis < 3; ++axis) {
+    minimum[axis] = std::min(minimum[axis], point[axis]);
+    maximum[axis] = std::max(maximum[axis], point[axis]);
+  }
+}
+
+std::size_t Scene::triangle_count() const {
+  std::size_t count = 0;
+  for (const Instance& instance : instances) count += meshes[instance.mesh].triangles.size();
+  return count;
+}
+
+std::size_t Scene::emissive_triangle_count() const {
+  std::size_t count = 0;
+  for (const Instance& instance : instances) {
+    const Mesh& mesh = meshes[instance.mesh];
+    if (materials[mesh.material].emits()) count += mesh.triangles.size();
+  }
+  return count;
+}
+
+std::size_t Scene::unique_triangle_count() const {
+  std::size_t count = 0;
+  for (const Mesh& mesh : meshes) count += mesh.triangles.size();
+  return count;
+}
+
+Bounds Scene::bounds() const {
+  Bounds bounds;
+  for (const Instance& instance : instances) {
+    for (const Vec3& position : meshes[instance.mesh].positions) {
+      bounds.include(DVec3(instance.world_from_object * DVec4(DVec3(position), 1.0)));
+    }
+  }
+  return bounds;
+}
+
+std::string describe(const Scene& scene) {
+  const DVec3 size = scene.bounds().size();
+  std::ostringstream text;
+  text << scene.triangle_count() << " triangles (" << scene.unique_triangle_count() << " unique, "
+       << scene.emissive_triangle_count() << " emissive), " << scene.lights.size() << " lights, "
+       << scene.materials.size() << " materials, " << scene.images.size() << " textures, "
+       << std::fixed << std::setprecision(1) << size.x << " x " << size.y << " x " << size.z
+       << " m";
+  return std::move(text).str();
+}
+
+}  // namespace macula::scene
