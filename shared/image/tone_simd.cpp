@@ -16,7 +16,7 @@ using FloatVec = hn::Vec<Floats>;
 
 // Every step is the scalar's, operation by operation and never fused, so that the bits agree.
 
-HWY_ATTR FloatVec exposed_channels(FloatVec radiance, FloatVec gain) {
+HWY_INLINE HWY_ATTR FloatVec exposed_channels(FloatVec radiance, FloatVec gain) {
   const Floats d;
   const auto finite = hn::IfThenElseZero(hn::IsFinite(radiance), radiance);
   const auto exposed = hn::Mul(finite, gain);
@@ -24,14 +24,14 @@ HWY_ATTR FloatVec exposed_channels(FloatVec radiance, FloatVec gain) {
   return hn::Min(lit, hn::Set(d, kBrightestExposed));
 }
 
-HWY_ATTR FloatVec filmic(FloatVec x) {
+HWY_INLINE HWY_ATTR FloatVec filmic(FloatVec x) {
   const Floats d;
   const auto over = hn::Mul(x, hn::Add(hn::Mul(hn::Set(d, 2.51F), x), hn::Set(d, 0.03F)));
   const auto under = hn::Mul(x, hn::Add(hn::Mul(hn::Set(d, 2.43F), x), hn::Set(d, 0.59F)));
   return hn::Div(over, hn::Add(under, hn::Set(d, 0.14F)));
 }
 
-HWY_ATTR void store_codes(FloatVec linear, const std::int32_t* table, std::uint8_t* codes) {
+HWY_INLINE HWY_ATTR void store_codes(FloatVec linear, const std::int32_t* table, std::uint8_t* codes) {
   const Floats d;
   const hn::RebindToSigned<Floats> di;
   const hn::Rebind<std::uint8_t, Floats> du8;
