@@ -14,7 +14,7 @@ namespace macula::pose {
 struct HeadSample {
   ClientTime at{};
   Pose stage_from_head;
-  Gaze gaze;                 ///< in the head frame; sources with two eyes give the mean direction
+  Gaze gaze;  ///< in the head frame; sources with two eyes give the mean direction
   ClientTime gaze_at{};
 };
 
