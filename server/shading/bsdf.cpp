@@ -1,0 +1,123 @@
+#include "server/shading/bsdf.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/shading/ggx.h"
+#include "server/shading/ggx_albedo.h"
+
+namespace macula::shading {
+namespace {
+
+/// Least cosine between shading normal and eye after bending: 0.06 degrees above the horizon.
+constexpr float kLeastCosine = 1e-3F;
+
+struct Tangents {
+  Vec3 t, b;
+};
+/// Duff et al. (2017), "Building an Orthonormal Basis, Revisited".
+Tangents tangents_of(const Vec3& n) {
+  const float sign = std::copysign(1.0F, n.z);
+  const float a = -1.0F / (sign + n.z);
+  const float b = n.x * n.y * a;
+  return {{1.0F + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
+}
+
+Vec3 to_local(const Vec3& world, const Vec3& normal) {
+  const Tangents basis = tangents_of(normal);
+  return {glm::dot(world, basis.t), glm::dot(world, basis.b), glm::dot(world, normal)};
+}
+
+Rgb lobe_albedo(const Bsdf& bsdf, const GgxAlbedo& parts) {
+  return bsdf.f0 * parts.a + bsdf.f90 * parts.b;
+}
+
+}  // namespace
+
+ShadingFrame make_shading_frame(const Vec3& geometric, const Vec3& shading, const Vec3& to_eye) {
+  ShadingFrame frame;
+  frame.to_eye = to_eye;
+  frame.geometric = glm::dot(geometric, to_eye) < 0.0F ? -geometric : geometric;
+  frame.shading = glm::dot(shading, frame.geometric) < 0.0F ? -shading : shading;
+  const float cosine = glm::dot(frame.shading, to_eye);
+  if (cosine < kLeastCosine) {
+    frame.shading = glm::normalize(frame.shading + (kLeastCosine - cosine) * to_eye);
+  }
+  return frame;
+}
+
+Vec3 sample_cosine_hemisphere(const Vec2& u) {
+  const float radius = std::sqrt(u.x), phi = 2.0F * kPi * u.y;
+  return {radius * std::cos(phi), radius * std::sin(phi), std::sqrt(std::max(0.0F, 1.0F - u.x))};
+}
+
+Vec3 to_world(const Vec3& local, const Vec3& normal) {
+  const Tangents basis = tangents_of(normal);
+  return local.x * basis.t + local.y * basis.b + local.z * normal;
+}
+
+Reflector::Reflector(const Bsdf& bsdf, const ShadingFrame& frame)
+    : bsdf_(bsdf), frame_(frame), glossy_(bsdf.glossy()) {
+  cos_v_ = std::clamp(glm::dot(frame.shading, frame.to_eye), kLeastCosine, 1.0F);
+  if (!glossy_) {
+    diffuse_ = bsdf.albedo / kPi;
+    reflectance_ = bsdf.albedo;
+    return;
+  }
+  const Rgb lobe = lobe_albedo(bsdf, ggx_albedo(cos_v_, bsdf.alpha));
+  const Rgb mean = lobe_albedo(bsdf, ggx_mean_albedo(bsdf.alpha));
+  const Rgb passed = bsdf.albedo * (Rgb{1.0F} - lobe);
+  // A lobe that reflects everything leaves no diffuse part: the quotient tends to 0 with it.
+  diffuse_ = passed / (kPi * glm::max(Rgb{1.0F} - mean, Rgb{1e-4F}));
+  reflectance_ = lobe + passed;
+  const float lobe_weight = image::luminance(lobe);
+  const float total = lobe_weight + image::luminance(passed);
+  lobe_share_ = total > 0.0F ? lobe_weight / total : 1.0F;
+}
+
+Rgb Reflector::evaluate(const Vec3& to_light) const {
+  const float cos_l = glm::dot(frame_.shading, to_light);
+  if (cos_l <= 0.0F || glm::dot(frame_.geometric, to_light) <= 0.0F) return Rgb{0.0F};
+  return glossy_ ? evaluate_lobe(to_light, std::min(cos_l, 1.0F)) : diffuse_ * cos_l;
+}
+
+Rgb Reflector::evaluate_lobe(const Vec3& to_light, float cos_l) const {
+  const Rgb taken = lobe_albedo(bsdf_, ggx_albedo(cos_l, bsdf_.alpha));
+  const Vec3 half = glm::normalize(frame_.to_eye + to_light);
+  const float cos_vh = glm::dot(frame_.to_eye, half);
+  const Rgb fresnel = bsdf_.f0 + (Rgb{bsdf_.f90} - bsdf_.f0) * schlick_weight(cos_vh);
+  const float lobe = ggx_distribution(glm::dot(frame_.shading, half), bsdf_.alpha) *
+                     ggx_visibility(cos_v_, cos_l, bsdf_.alpha);
+  return (lobe * fresnel + diffuse_ * (Rgb{1.0F} - taken)) * cos_l;
+}
+
+std::optional<BsdfSample> Reflector::sample(const Vec3& u) const {
+  BsdfSample sample;
+  if (u.x < lobe_share_) {
+    const Vec3 view = to_local(frame_.to_eye, frame_.shading);
+    const Vec3 half = ggx_sample_half({view.x, view.y, cos_v_}, bsdf_.alpha, {u.y, u.z});
+    const Vec3 half_world = to_world(half, frame_.shading);
+    sample.to_light = glm::normalize(
+        2.0F * glm::dot(frame_.to_eye, half_world) * half_world - frame_.to_eye);
+  } else {
+    sample.to_light = to_world(sample_cosine_hemisphere({u.y, u.z}), frame_.shading);
+  }
+  sample.pdf = pdf(sample.to_light);
+  const Rgb value = evaluate(sample.to_light);
+  if (!(sample.pdf > 0.0F) || !(value.x + value.y + value.z > 0.0F)) return std::nullopt;
+  sample.weight = value / sample.pdf;
+  return sample;
+}
+
+float Reflector::pdf(const Vec3& to_light) const {
+  const float cosine = std::max(glm::dot(frame_.shading, to_light), 0.0F);
+  const float diffuse = (1.0F - lobe_share_) * cosine / kPi;
+  if (lobe_share_ == 0.0F) return diffuse;
+  const Vec3 sum = frame_.to_eye + to_light;
+  const float length = glm::length(sum);
+  if (length == 0.0F) return diffuse;
+  const float cos_half = glm::dot(frame_.shading, sum) / length;
+  return diffuse + lobe_share_ * ggx_reflection_pdf(cos_v_, cos_half, bsdf_.alpha);
+}
+
+}  // namespace macula::shading

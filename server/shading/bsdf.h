@@ -1,0 +1,77 @@
+// The one BSDF of all kernels: Lambert under a GGX lobe (Smith height-correlated, Schlick Fresnel),
+// glTF metallic-roughness with KHR_materials_specular. Energy: what the lobe reflects, E(view), is
+// taken from the diffuse part on the way in and out (Kelemen and Szirmay-Kalos 2001),
+//   f = D G F / (4 cos_v cos_l) + albedo / pi (1 - E(v)) (1 - E(l)) / (1 - E_mean),
+// so the sum is reciprocal and never reflects more than it receives; without a lobe it is exactly
+// albedo / pi. Reflection only, on both sides of a surface. Directions: unit, world, away from it.
+#pragma once
+
+#include <optional>
+
+#include "shared/image/color.h"
+#include "shared/math/vec.h"
+
+namespace macula::shading {
+
+/// A material at one point; view-independent.
+struct Bsdf {
+  Rgb albedo{0.0F};    ///< diffuse reflectance before the lobe takes its share, [0, 1]
+  Rgb f0{0.0F};        ///< lobe's reflectance at normal incidence, [0, 1]
+  float f90 = 0.0F;    ///< at grazing incidence, [0, 1]
+  float alpha = 1.0F;  ///< GGX width, roughness squared, [kLeastAlpha, 1]
+
+  bool glossy() const { return f90 > 0.0F || f0.x > 0.0F || f0.y > 0.0F || f0.z > 0.0F; }
+};
+
+/// The normals at a point. Rule for shading normals: `geometric` is turned towards the eye and alone
+/// decides which side light arrives on (no leaking through the surface); `shading` is turned to the
+/// same side and, where the eye lies below its horizon, bent towards the eye until it lies just
+/// above (no black rims). Cosines and lobes use `shading`.
+struct ShadingFrame {
+  Vec3 geometric{0.0F, 0.0F, 1.0F};
+  Vec3 shading{0.0F, 0.0F, 1.0F};
+  Vec3 to_eye{0.0F, 0.0F, 1.0F};
+};
+/// Normals of either orientation, unit; `to_eye` unit.
+ShadingFrame make_shading_frame(const Vec3& geometric, const Vec3& shading, const Vec3& to_eye);
+
+struct BsdfSample {
+  Vec3 to_light{0.0F};
+  Rgb weight{0.0F};  ///< f cos / pdf
+  float pdf = 0.0F;  ///< 1/sr
+};
+
+/// A BSDF seen from one direction, ready for many lights.
+class Reflector {
+ public:
+  Reflector() = default;
+  Reflector(const Bsdf& bsdf, const ShadingFrame& frame);
+
+  /// f(to_eye, to_light) times the cosine at the shading normal; 0 for light from below either normal.
+  Rgb evaluate(const Vec3& to_light) const;
+  /// Share of a uniform environment that is reflected to the eye: at most 1 a channel.
+  const Rgb& reflectance() const { return reflectance_; }
+  /// u in [0, 1)^3: the first chooses the lobe. nullopt where the direction reflects nothing.
+  std::optional<BsdfSample> sample(const Vec3& u) const;
+  /// Density of sample() over the whole sphere, 1/sr; 1 in total, also counting rejected directions.
+  float pdf(const Vec3& to_light) const;
+  const ShadingFrame& frame() const { return frame_; }
+
+ private:
+  Rgb evaluate_lobe(const Vec3& to_light, float cos_l) const;
+
+  Bsdf bsdf_;
+  ShadingFrame frame_;
+  bool glossy_ = false;
+  float cos_v_ = 1.0F;
+  Rgb diffuse_{0.0F};      ///< everything of the diffuse term that does not depend on the light
+  Rgb reflectance_{0.0F};
+  float lobe_share_ = 0.0F;  ///< probability of sampling the lobe
+};
+
+/// Direction about +z with density cos / pi, for u in [0, 1)^2.
+Vec3 sample_cosine_hemisphere(const Vec2& u);
+/// `local` (z along `normal`) in the world; the tangents are a pure function of the normal.
+Vec3 to_world(const Vec3& local, const Vec3& normal);
+
+}  // namespace macula::shading

@@ -1,0 +1,95 @@
+#include "server/shading/material_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "server/shading/ggx.h"
+#include "shared/base/check.h"
+
+namespace macula::shading {
+namespace {
+
+/// Reflectance of a dielectric at normal incidence for index of refraction 1.5, glTF's default.
+constexpr float kDielectricF0 = 0.04F;
+
+/// Length scale of a texture transform: how footprints grow through it.
+float footprint_scale(const scene::TextureRef& reference) {
+  return std::sqrt(std::abs(reference.uv_scale.x * reference.uv_scale.y));
+}
+
+}  // namespace
+
+MaterialTable::MaterialTable(const scene::Scene& scene) {
+  std::map<std::pair<scene::Index, scene::ColorSpace>, std::size_t> known;
+  const auto look_up = [&](const std::optional<scene::TextureRef>& reference)
+      -> std::optional<Lookup> {
+    if (!reference) return std::nullopt;
+    MACULA_CHECK(reference->image < scene.images.size(), "import checks image indices");
+    const auto [place, added] =
+        known.try_emplace({reference->image, reference->space}, textures_.size());
+    if (added) textures_.emplace_back(scene.images[reference->image].pixels, reference->space);
+    return Lookup{place->second, *reference};
+  };
+  materials_.reserve(scene.materials.size());
+  for (const scene::Material& material : scene.materials) {
+    Entry entry{material, look_up(material.base_color_texture),
+                look_up(material.metallic_roughness_texture), look_up(material.emission_texture),
+                material.emission};
+    if (entry.emission) entry.mean_emission *= Rgb(textures_[entry.emission->texture].mean());
+    materials_.push_back(std::move(entry));
+  }
+}
+
+Vec4 MaterialTable::read(const std::optional<Lookup>& lookup, const Vec2& uv,
+                         float footprint_uv) const {
+  if (!lookup) return Vec4{1.0F};
+  const scene::TextureRef& reference = lookup->reference;
+  return textures_[lookup->texture].sample(transform_uv(reference, uv),
+                                           footprint_uv * footprint_scale(reference),
+                                           reference.wrap_u, reference.wrap_v);
+}
+
+Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_uv,
+                         MaterialModel model) const {
+  const Entry& entry = materials_[material];
+  const scene::Material& m = entry.material;
+  const Rgb base = base_color(material, uv, footprint_uv);
+  if (model == MaterialModel::Lambert) return Bsdf{base};
+  const Vec4 texture = read(entry.metallic_roughness, uv, footprint_uv);
+  const float metallic = m.metallic * texture.z, roughness = m.roughness * texture.y;
+  const Rgb dielectric = m.specular * glm::min(kDielectricF0 * m.specular_color, Rgb{1.0F});
+  Bsdf bsdf;
+  bsdf.albedo = (1.0F - metallic) * base;
+  bsdf.f0 = (1.0F - metallic) * dielectric + metallic * base;
+  bsdf.f90 = (1.0F - metallic) * m.specular + metallic;
+  bsdf.alpha = std::clamp(roughness * roughness, kLeastAlpha, 1.0F);
+  return bsdf;
+}
+
+Rgb MaterialTable::base_color(scene::Index material, const Vec2& uv, float footprint_uv) const {
+  const Entry& entry = materials_[material];
+  return entry.material.base_color * Rgb(read(entry.base_color, uv, footprint_uv));
+}
+
+Rgb MaterialTable::emission(scene::Index material, const Vec2& uv, float footprint_uv) const {
+  const Entry& entry = materials_[material];
+  if (!entry.material.emits()) return Rgb{0.0F};
+  return entry.material.emission * Rgb(read(entry.emission, uv, footprint_uv));
+}
+
+const Rgb& MaterialTable::mean_emission(scene::Index material) const {
+  return materials_[material].mean_emission;
+}
+
+bool MaterialTable::emits(scene::Index material) const {
+  return materials_[material].material.emits();
+}
+
+bool MaterialTable::textured(scene::Index material) const {
+  const Entry& entry = materials_[material];
+  return entry.base_color || entry.metallic_roughness || entry.emission;
+}
+
+}  // namespace macula::shading

@@ -1,0 +1,50 @@
+// MaterialTable: the scene's materials with their textures decoded and filtered, answering what a
+// surface is made of at a point. Immutable; safe from any thread. Holds copies, not the scene.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "server/scene/scene.h"
+#include "server/shading/bsdf.h"
+#include "server/shading/texture.h"
+
+namespace macula::shading {
+
+/// Lambert: every material becomes a diffuse one of its base colour, whatever else it says.
+enum class MaterialModel { AsInScene, Lambert };
+
+class MaterialTable {
+ public:
+  /// Decodes every image once for each colour space that a material reads it in.
+  explicit MaterialTable(const scene::Scene& scene);
+
+  /// `footprint_uv`: side of the square of texture space one sample stands for; 0 = no filtering.
+  Bsdf bsdf(scene::Index material, const Vec2& uv, float footprint_uv, MaterialModel model) const;
+  /// Base colour times texture: what the albedo plane shows.
+  Rgb base_color(scene::Index material, const Vec2& uv, float footprint_uv) const;
+  /// Radiance leaving the front face, W/(sr m^2).
+  Rgb emission(scene::Index material, const Vec2& uv, float footprint_uv) const;
+  /// The same averaged over the whole texture.
+  const Rgb& mean_emission(scene::Index material) const;
+  bool emits(scene::Index material) const;
+  bool textured(scene::Index material) const;
+  std::size_t size() const { return materials_.size(); }
+
+ private:
+  struct Lookup {
+    std::size_t texture;
+    scene::TextureRef reference;
+  };
+  struct Entry {
+    scene::Material material;
+    std::optional<Lookup> base_color, metallic_roughness, emission;
+    Rgb mean_emission{0.0F};
+  };
+  Vec4 read(const std::optional<Lookup>& lookup, const Vec2& uv, float footprint_uv) const;
+
+  std::vector<Texture> textures_;
+  std::vector<Entry> materials_;
+};
+
+}  // namespace macula::shading

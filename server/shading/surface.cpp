@@ -1,0 +1,77 @@
+#include "server/shading/surface.h"
+
+#include <cmath>
+
+namespace macula::shading {
+namespace {
+
+Vec3 unit_or_zero(const Vec3& v) {
+  const float length = glm::length(v);
+  return length > 0.0F ? v / length : Vec3{0.0F};
+}
+
+std::vector<float> uv_densities(const scene::Mesh& mesh) {
+  if (mesh.texcoords.empty()) return {};
+  std::vector<float> densities;
+  densities.reserve(mesh.triangles.size());
+  for (const UVec3& t : mesh.triangles) {
+    const Vec3 e1 = mesh.positions[t.y] - mesh.positions[t.x];
+    const Vec3 e2 = mesh.positions[t.z] - mesh.positions[t.x];
+    const Vec2 d1 = mesh.texcoords[t.y] - mesh.texcoords[t.x];
+    const Vec2 d2 = mesh.texcoords[t.z] - mesh.texcoords[t.x];
+    const float area = glm::length(glm::cross(e1, e2));
+    const float uv_area = std::abs(d1.x * d2.y - d1.y * d2.x);
+    densities.push_back(area > 0.0F ? std::sqrt(uv_area / area) : 0.0F);
+  }
+  return densities;
+}
+
+}  // namespace
+
+SurfaceTable::SurfaceTable(const scene::Scene& scene) {
+  uv_per_unit_.reserve(scene.meshes.size());
+  for (const scene::Mesh& mesh : scene.meshes) uv_per_unit_.push_back(uv_densities(mesh));
+  instances_.reserve(scene.instances.size());
+  for (const scene::Instance& instance : scene.instances) {
+    const scene::Mesh& mesh = scene.meshes[instance.mesh];
+    const DMat3 linear(instance.world_from_object);
+    instances_.push_back({&mesh, &uv_per_unit_[instance.mesh], linear,
+                          DVec3(instance.world_from_object[3]), Mat3(glm::inverseTranspose(linear)),
+                          static_cast<float>(std::cbrt(std::abs(glm::determinant(linear)))),
+                          mesh.material});
+  }
+}
+
+Surface SurfaceTable::at(scene::Index instance, scene::Index triangle,
+                         const Vec2& barycentric) const {
+  const Placed& placed = instances_[instance];
+  const scene::Mesh& mesh = *placed.mesh;
+  const UVec3 t = mesh.triangles[triangle];
+  const float u = barycentric.x, v = barycentric.y, w = 1.0F - u - v;
+  const Vec3 p0 = mesh.positions[t.x];
+  const Vec3 e1 = mesh.positions[t.y] - p0, e2 = mesh.positions[t.z] - p0;
+  Surface surface;
+  const DVec3 local = DVec3(p0) + static_cast<double>(u) * DVec3(e1) +
+                      static_cast<double>(v) * DVec3(e2);
+  surface.position = placed.world_from_object * local + placed.translation;
+  surface.geometric_normal = unit_or_zero(placed.normal_from_object * glm::cross(e1, e2));
+  surface.shading_normal = surface.geometric_normal;
+  if (!mesh.normals.empty()) {
+    const Vec3 blended = w * mesh.normals[t.x] + u * mesh.normals[t.y] + v * mesh.normals[t.z];
+    const Vec3 normal = unit_or_zero(placed.normal_from_object * blended);
+    if (normal != Vec3{0.0F}) surface.shading_normal = normal;
+  }
+  if (!mesh.texcoords.empty()) {
+    surface.uv = w * mesh.texcoords[t.x] + u * mesh.texcoords[t.y] + v * mesh.texcoords[t.z];
+  }
+  surface.material = placed.material;
+  return surface;
+}
+
+float SurfaceTable::uv_per_meter(scene::Index instance, scene::Index triangle) const {
+  const Placed& placed = instances_[instance];
+  if (placed.uv_per_unit->empty() || !(placed.meters_per_unit > 0.0F)) return 0.0F;
+  return (*placed.uv_per_unit)[triangle] / placed.meters_per_unit;
+}
+
+}  // namespace macula::shading

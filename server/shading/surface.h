@@ -1,0 +1,46 @@
+// SurfaceTable: where and how a surface lies at a point named by instance, triangle and barycentric
+// coordinates. World space, meters. Immutable; safe from any thread; refers to the scene, which must
+// outlive it.
+#pragma once
+
+#include <vector>
+
+#include "server/scene/scene.h"
+
+namespace macula::shading {
+
+struct Surface {
+  DVec3 position{0.0};          ///< interpolated, free of the error of a long ray
+  Vec3 geometric_normal{0.0F};  ///< unit, towards the front face; 0 for a degenerate triangle
+  Vec3 shading_normal{0.0F};    ///< unit, interpolated; the geometric one where a mesh has none
+  Vec2 uv{0.0F};
+  scene::Index material = 0;
+};
+
+class SurfaceTable {
+ public:
+  explicit SurfaceTable(const scene::Scene& scene);
+
+  /// The point (1 - u - v) p0 + u p1 + v p2.
+  Surface at(scene::Index instance, scene::Index triangle, const Vec2& barycentric) const;
+  /// Texture length per meter on a triangle: the square root of the ratio of its areas; 0 without
+  /// texture coordinates or area. Exact under rotations and uniform scales.
+  float uv_per_meter(scene::Index instance, scene::Index triangle) const;
+  scene::Index material(scene::Index instance) const { return instances_[instance].material; }
+  std::size_t instance_count() const { return instances_.size(); }
+
+ private:
+  struct Placed {
+    const scene::Mesh* mesh;
+    const std::vector<float>* uv_per_unit;
+    DMat3 world_from_object;
+    DVec3 translation;
+    Mat3 normal_from_object;  ///< inverse transpose: keeps fronts in front under mirroring too
+    float meters_per_unit;    ///< cube root of the volume scale
+    scene::Index material;
+  };
+  std::vector<std::vector<float>> uv_per_unit_;  ///< per mesh, per triangle, object space
+  std::vector<Placed> instances_;
+};
+
+}  // namespace macula::shading
