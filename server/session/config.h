@@ -1,0 +1,50 @@
+// Settings of one server, filled in by server/app; the defaults are what an unconfigured server
+// does.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "server/session/hello.h"
+#include "server/session/rules.h"
+#include "shared/foveation/rate.h"
+#include "shared/image/tone.h"
+#include "shared/math/pose.h"
+#include "shared/units/angle.h"
+#include "shared/units/time.h"
+
+namespace macula::session {
+
+/// How a frame is sampled where the client has no wish of its own.
+struct ViewPolicy {
+  Pose scene_from_stage;  ///< where the viewer's stage stands, meters
+  image::Tone tone;
+  foveation::RateModel rate_model;
+  double fovea_oversampling = 1.0;  ///< cells per nominal pixel along an axis at the gaze
+  Degrees full_rate_radius{5.0};
+  Degrees guard_band{4.0};             ///< rendered beyond the display on every side
+  std::size_t most_cells = 32U << 20;  ///< over all eyes; larger frames are refused
+  int most_cells_a_side = 8192;
+};
+
+/// Delays for tests that show where time goes; zero in production.
+struct StageDelays {
+  Nanoseconds view_wait{0};  ///< between taking a view and render_begin
+  Nanoseconds render{0};
+  Nanoseconds encode{0};
+};
+
+struct ServerConfig {
+  SessionRules rules;
+  ServerOffer offer;
+  ViewPolicy views;
+  int jpeg_quality = 85;                         ///< 1..100
+  std::optional<Nanoseconds> target_frame_time;  ///< of rendering; nullopt: full quality always
+  std::uint64_t seed = 1;                        ///< of every frame's samples
+  int encode_threads = 2;   ///< eyes are encoded side by side where a core is idle
+  std::string description;  ///< travels in every frame: what it was made with
+  StageDelays delays;
+};
+
+}  // namespace macula::session

@@ -1,0 +1,43 @@
+// The encode stage: rendered buffers become a frame for the wire, colour and depth per eye, with
+// everything the frame was made with in its header. Called by the encode thread only; the eyes run
+// side by side where a core is idle.
+#pragma once
+
+#include <vector>
+
+#include "server/scheduling/tile_scheduler.h"
+#include "server/session/config.h"
+#include "server/session/frame_job.h"
+#include "shared/base/clock.h"
+#include "shared/base/result.h"
+#include "shared/codec/color.h"
+#include "shared/codec/depth.h"
+
+namespace macula::session {
+
+class EncodeStage {
+ public:
+  EncodeStage(const ServerConfig& config, const base::Clock& clock)
+      : config_(config), clock_(clock), threads_(config.encode_threads) {}
+
+  /// Sets job.encode_end. Previous-frame stamps are left to whoever sends. Errors: the codecs'.
+  Result<net::EncodedFrame> encode(FrameJob& job);
+
+ private:
+  struct Eye {
+    image::Plane<Rgb8> tone_mapped;
+    Result<codec::Bytes> color = codec::Bytes{};
+    Result<codec::EncodedDepth> depth = codec::EncodedDepth{};
+  };
+  codec::ColorOptions color_options(const net::Settings& wish) const;
+  void encode_eye(const FrameJob& job, std::size_t index);
+  net::FrameBegin frame_begin(const FrameJob& job) const;
+  void append_eye(const FrameJob& job, std::size_t index, net::EncodedFrame& frame);
+
+  const ServerConfig& config_;
+  const base::Clock& clock_;
+  scheduling::TileScheduler threads_;
+  std::vector<Eye> eyes_;
+};
+
+}  // namespace macula::session

@@ -1,0 +1,34 @@
+// One frame on its way through the server's stages. Two jobs circulate, so that one renders while
+// the other encodes; their buffers keep their memory. Owned by one stage at a time.
+#pragma once
+
+#include <vector>
+
+#include "server/kernels/frame_buffers.h"
+#include "server/kernels/kernel.h"
+#include "server/session/actions.h"
+#include "server/session/governor.h"
+#include "server/session/view_builder.h"
+
+namespace macula::session {
+
+/// What rendering remembers of one epoch of a session.
+struct RenderMemory {
+  std::uint32_t epoch = 0;
+  kernels::History history;
+  GazeFilters gaze;
+  Governor governor;
+};
+
+struct FrameJob {
+  StartFrame start;
+  std::vector<kernels::View> views;
+  kernels::FrameBuffers buffers;
+  kernels::FrameReport report;
+  std::size_t cells = 0;
+  double scale = 1.0;  ///< of the nominal display, by the governor
+  /// render_end is encode_begin: waiting for the encoder belongs to the encode stage.
+  ServerTime render_begin{}, render_end{}, encode_end{};
+};
+
+}  // namespace macula::session

@@ -1,0 +1,41 @@
+#include "server/session/render_stage.h"
+
+#include <thread>
+#include <utility>
+
+namespace macula::session {
+
+RenderStage::RenderStage(const ServerConfig& config,
+                         std::shared_ptr<const kernels::SceneFrame> scene,
+                         std::shared_ptr<const kernels::Kernel> kernel,
+                         std::shared_ptr<scheduling::TileScheduler> scheduler,
+                         const base::Clock& clock)
+    : config_(config),
+      scene_(std::move(scene)),
+      kernel_(std::move(kernel)),
+      scheduler_(std::move(scheduler)),
+      clock_(clock) {}
+
+Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
+                                          std::stop_token stop) {
+  std::this_thread::sleep_for(config_.delays.view_wait);
+  job.render_begin = now();
+  job.scale = memory.governor.scale();
+  auto prepared =
+      prepare_views(job.start.view, *job.start.setup, config_.views, job.scale, memory.gaze);
+  if (!prepared) return base::forward(prepared);
+  job.views = std::move(prepared->views);
+  job.cells = prepared->cells;
+
+  scheduler_->set_stop_token(std::move(stop));
+  const kernels::FrameRequest request{job.views, prepared->foveation, job.start.key.frame,
+                                      config_.seed};
+  job.report = kernel_->render(request, *scene_, memory.history, *scheduler_, job.buffers);
+  std::this_thread::sleep_for(config_.delays.render);
+  job.render_end = now();
+  if (job.report.stopped) return RenderOutcome::Stopped;
+  memory.governor.on_frame(job.render_end - job.render_begin);
+  return RenderOutcome::Rendered;
+}
+
+}  // namespace macula::session

@@ -1,0 +1,31 @@
+// Round-trip time of frames: from the last byte handed to the network to the acknowledgement's
+// arrival. The minimum over a sliding window is the link without its queues; the latest sample
+// includes them. A value: one owner, no clock of its own, at most 64 samples.
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "shared/units/time.h"
+
+namespace macula::session {
+
+class RttWindow {
+ public:
+  /// Negative samples (events that overtook each other) are ignored.
+  void add(Nanoseconds rtt, ServerTime at);
+  /// Least sample of the last 10 s before `now`; nullopt when there is none.
+  std::optional<Nanoseconds> least(ServerTime now) const;
+  /// Newest sample, however old; nullopt before the first.
+  std::optional<Nanoseconds> latest() const { return latest_; }
+
+ private:
+  struct Sample {
+    Nanoseconds rtt;
+    ServerTime at;
+  };
+  std::deque<Sample> rising_;  ///< rtt rises from front to back: the front is the least
+  std::optional<Nanoseconds> latest_;
+};
+
+}  // namespace macula::session

@@ -1,0 +1,29 @@
+// The figures a session lives by, in one place. Production uses the defaults; tests may tighten
+// them.
+#pragma once
+
+#include <cstddef>
+
+#include "shared/units/time.h"
+
+namespace macula::session {
+
+struct SessionRules {
+  /// Without a newer ViewState for this long nothing is rendered for the client.
+  Nanoseconds stop_rendering_after{std::chrono::milliseconds{500}};
+  /// Without a ViewState for this long the session is freed.
+  Nanoseconds free_after{std::chrono::seconds{3}};
+  /// A sent frame without any receiving progress for max(this, loss_timeout_rtts x RTT) is lost.
+  Nanoseconds least_loss_timeout{std::chrono::seconds{1}};
+  int loss_timeout_rtts = 4;
+  /// Bounds of the credit window, in frames.
+  int least_window = 2, most_window = 6;
+  /// Frames of one session between their start and their first byte: one renders while one encodes.
+  int most_unsent = 2;
+  /// Sessions at once; the next Hello is refused as ServerFull.
+  std::size_t most_sessions = 8;
+  /// One unknown peer hears UnknownSession at most this often.
+  Nanoseconds refusal_interval{std::chrono::milliseconds{100}};
+};
+
+}  // namespace macula::session

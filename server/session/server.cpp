@@ -1,0 +1,246 @@
+#include "server/session/server.h"
+
+#include <bit>
+#include <utility>
+
+#include "shared/base/log.h"
+#include "shared/base/text.h"
+
+namespace macula::session {
+namespace {
+
+constexpr std::size_t kJobs = 2;  // one renders while the other encodes
+constexpr std::size_t kRecentFrames = 64;
+constexpr Nanoseconds kTick = std::chrono::milliseconds{10};
+
+/// The next value, however long it takes; nullopt once the channel is closed and empty.
+template <class T>
+std::optional<T> next_of(base::Channel<T>& channel) {
+  for (;;) {
+    if (auto value = channel.wait(std::chrono::minutes{1})) return value;
+    if (channel.closed()) return std::nullopt;
+  }
+}
+
+template <class T>
+void push_recent(std::vector<T>& recent, T value) {
+  if (recent.size() == kRecentFrames) recent.erase(recent.begin());
+  recent.push_back(std::move(value));
+}
+
+StageTimes stage_times(const FrameJob& job) {
+  return {units::to_ms(job.render_begin - job.start.view_received),
+          units::to_ms(job.render_end - job.render_begin),
+          units::to_ms(job.encode_end - job.render_end)};
+}
+
+Result<void> check_config(const ServerConfig& config) {
+  if (config.jpeg_quality < 1 || config.jpeg_quality > 100)
+    return base::bad_input(base::concat("JPEG quality ", config.jpeg_quality), "quality",
+                           "1 to 100");
+  if (config.target_frame_time && *config.target_frame_time <= Nanoseconds::zero())
+    return base::bad_input("the target frame time is not positive", "target-ms");
+  net::Settings settings;
+  settings.color_codec = config.offer.default_codec;
+  settings.fovea_oversampling = config.views.fovea_oversampling;
+  return check_settings(settings);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Server>> Server::create(ServerConfig config, ServerParts parts) {
+  if (const auto good = check_config(config); !good) return base::forward(good);
+  return std::unique_ptr<Server>(new Server(std::move(config), std::move(parts)));
+}
+
+Server::Server(ServerConfig config, ServerParts parts)
+    : config_(std::move(config)),
+      parts_(std::move(parts)),
+      render_stage_(config_, parts_.scene, parts_.kernel, parts_.scheduler, *parts_.clock),
+      encode_stage_(config_, *parts_.clock),
+      free_jobs_(kJobs),
+      rendered_(kJobs),
+      table_(config_.rules, config_.offer, parts_.random) {
+  for (std::size_t i = 0; i < kJobs; ++i)
+    MACULA_CHECK(free_jobs_.put(std::make_unique<FrameJob>()), "the channel holds every job");
+}
+
+void Server::start() {
+  MACULA_CHECK(!control_.joinable(), "a server starts once");
+  control_ = std::thread([this] { control_loop(); });
+  render_ = std::thread([this] { render_loop(); });
+  encode_ = std::thread([this] { encode_loop(); });
+}
+
+void Server::stop() {
+  {
+    std::lock_guard lock(mutex_);
+    if (std::exchange(stopping_, true)) return;
+    carry_out(table_.stop("the server is stopping"));
+  }
+  may_start_.notify_all();
+  free_jobs_.close();
+  rendered_.close();
+  for (std::thread* thread : {&control_, &render_, &encode_})
+    if (thread->joinable()) thread->join();
+}
+
+void Server::control_loop() {
+  ServerTime last_tick = now();
+  for (;;) {
+    auto event = parts_.endpoint->wait(kTick);
+    {
+      std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      if (event) carry_out(table_.handle(*event, now()));
+      if (now() - last_tick >= kTick) {
+        carry_out(table_.tick(now()));
+        last_tick = now();
+      }
+    }
+    may_start_.notify_one();
+  }
+}
+
+std::shared_ptr<RenderMemory> Server::memory_of(const FrameKey& key) {
+  std::shared_ptr<RenderMemory>& memory = memories_[key.session];
+  if (!memory || memory->epoch != key.epoch) {
+    memory = std::make_shared<RenderMemory>();
+    memory->epoch = key.epoch;
+    memory->governor = Governor(config_.target_frame_time);
+  }
+  return memory;
+}
+
+std::optional<Server::NextFrame> Server::wait_for_frame() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    if (stopping_) return std::nullopt;
+    if (auto start = table_.next_frame(now())) {
+      rendering_.emplace(Rendering{start->key, {}});
+      auto memory = memory_of(start->key);
+      return NextFrame{std::move(*start), std::move(memory), rendering_->stop.get_token()};
+    }
+    may_start_.wait(lock);
+  }
+}
+
+void Server::render_loop() {
+  while (auto job = next_of(free_jobs_)) {
+    auto next = wait_for_frame();
+    if (!next) return;
+    render(std::move(*job), std::move(*next));
+  }
+}
+
+void Server::render(Job job, NextFrame next) {
+  job->start = std::move(next.start);
+  const FrameKey key = job->start.key;
+  const auto outcome = render_stage_.render(*job, *next.memory, std::move(next.stop));
+  const bool rendered = outcome && *outcome == RenderOutcome::Rendered;
+  {
+    std::lock_guard lock(mutex_);
+    rendering_.reset();
+    if (rendered) {
+      ++telemetry_.frames_rendered;
+      telemetry_.rays += job->report.primary_rays + job->report.shadow_rays;
+      telemetry_.cells += job->cells;
+      telemetry_.non_finite_samples += job->report.non_finite_samples;
+      telemetry_.newest_scale = job->scale;
+    } else if (outcome) {
+      ++telemetry_.frames_stopped;
+      table_.on_frame_abandoned(key);
+    } else {
+      give_up(key, outcome.error().message());
+    }
+  }
+  // Two jobs in channels of two: a put fails only while the server stops.
+  (void)(rendered ? rendered_ : free_jobs_).put(std::move(job));
+}
+
+void Server::give_up(const FrameKey& key, const std::string& why) {
+  table_.on_frame_abandoned(key);
+  if (std::has_single_bit(++telemetry_.frames_failed))
+    base::log_warning(
+        base::concat("frame not made: ", why, "; ", telemetry_.frames_failed, " so far"));
+}
+
+void Server::encode_loop() {
+  while (auto job = next_of(rendered_)) {
+    auto encoded = encode_stage_.encode(**job);
+    finish_encoding(**job, std::move(encoded));
+    may_start_.notify_one();
+    (void)free_jobs_.put(std::move(*job));
+  }
+}
+
+void Server::finish_encoding(const FrameJob& job, Result<net::EncodedFrame> encoded) {
+  const FrameKey key = job.start.key;
+  std::lock_guard lock(mutex_);
+  if (!encoded) return give_up(key, encoded.error().message());
+  ++telemetry_.frames_encoded;
+  push_recent(telemetry_.recent, stage_times(job));
+  if (!table_.expects(key)) return;
+  outbox_.emplace(key, std::move(*encoded));
+  carry_out(table_.on_frame_ready(key, job.encode_end, now()));
+}
+
+void Server::carry_out(Actions actions) {
+  for (Action& action : actions)
+    std::visit([this](auto& specific) { act(std::move(specific)); }, action);
+}
+
+void Server::act(SendWelcome&& action) {
+  base::log_info(base::concat("client welcomed, session ", std::hex, action.welcome.session));
+  parts_.endpoint->send(action.peer, std::move(action.welcome));
+}
+
+void Server::act(SendRefusal&& action) {
+  base::log_info("client refused: " + action.refusal.text);
+  parts_.endpoint->send(action.peer, std::move(action.refusal));
+}
+
+void Server::act(SendBye&& action) {
+  parts_.endpoint->send(action.peer, std::move(action.bye));
+}
+
+void Server::act(ReleaseFrame&& action) {
+  auto node = outbox_.extract(action.key);
+  MACULA_CHECK(!node.empty(), "only encoded frames are released");
+  net::EncodedFrame& frame = node.mapped();
+  if (action.previous) {
+    frame.begin.previous_frame = action.previous->frame;
+    frame.begin.previous_send_begin = action.previous->begin;
+    frame.begin.previous_send_end = action.previous->end;
+    push_recent(telemetry_.recent_send_ms,
+                units::to_ms(action.previous->end - action.previous->begin));
+  }
+  parts_.endpoint->send_frame(action.peer, std::move(frame));
+}
+
+void Server::act(AbandonFrames&& action) {
+  const auto is_useless = [&](const FrameKey& key) {
+    return key.session == action.session && key.epoch == action.epoch;
+  };
+  std::erase_if(outbox_, [&](const auto& entry) { return is_useless(entry.first); });
+  if (rendering_ && is_useless(rendering_->key)) rendering_->stop.request_stop();
+}
+
+void Server::act(DropSession&& action) {
+  memories_.erase(action.session);
+  base::log_info(base::concat("session ", std::hex, action.session, " ended: ", action.reason));
+}
+
+Telemetry Server::telemetry() const {
+  std::lock_guard lock(mutex_);
+  Telemetry copy = telemetry_;
+  for (const auto& [id, session] : table_.sessions())
+    copy.now.push_back({id, session.epoch(), session.credit().in_flight(),
+                        session.credit().unsent(), session.credit().window(now())});
+  copy.sessions = table_.totals();
+  copy.table = table_.counters();
+  copy.net = parts_.endpoint->counters();
+  return copy;
+}
+
+}  // namespace macula::session

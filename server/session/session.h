@@ -1,0 +1,92 @@
+// One client's life as a pure state machine: no threads, no sockets, no clock; time is an argument
+// and actions are values. A session survives reconnections: each welcome begins a new epoch, which
+// resets credit, frame ids and the view order. Frames are pulled: whoever has a free renderer asks
+// start_frame().
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "server/session/actions.h"
+#include "server/session/credit_window.h"
+#include "server/session/rules.h"
+
+namespace macula::session {
+
+/// What happened in a session since it began; only grows.
+struct SessionCounters {
+  std::uint64_t views = 0, stale_views = 0, invalid_views = 0;
+  std::uint64_t acks_refused = 0, foreign_acks = 0;
+  std::uint64_t frames_started = 0, frames_released = 0, frames_lost = 0;
+  std::uint64_t frames_abandoned = 0;
+  int most_in_flight = 0;         ///< over all moments after a release
+  int most_in_flight_excess = 0;  ///< frames in flight above the window at a release; stays 0
+};
+
+class Session {
+ public:
+  Session(std::uint64_t id, std::string client_key, const SessionRules& rules)
+      : id_(id), client_key_(std::move(client_key)), rules_(rules), credit_(rules) {}
+
+  /// The client said Hello (again): from here on everything of earlier epochs is ignored.
+  Actions begin_epoch(net::PeerId peer, std::uint32_t epoch, const net::ResumeToken& token,
+                      ClientSetup setup, ServerTime now);
+  /// Only views newer than any before count; acks are taken first, whatever the view is worth.
+  Actions on_view(const net::ViewReceived& event);
+  void on_settings(const net::Settings& settings);
+  /// Encoded and waiting for credit since `ready`.
+  Actions on_frame_ready(const FrameKey& key, ServerTime ready, ServerTime now);
+  /// Will never be sent (stopped, or failed to encode).
+  void on_frame_abandoned(const FrameKey& key);
+  Actions on_frame_sent(const net::FrameSent& event, ServerTime now);
+  Actions tick(ServerTime now);
+
+  /// A frame may start: the client is alive, has a view not yet rendered, and there is credit.
+  bool may_start(ServerTime now) const;
+  std::optional<StartFrame> start_frame(ServerTime now);
+  bool is_expired(ServerTime now) const { return now - last_view_ > rules_.free_after; }
+  /// When the client's silence will have stopped rendering.
+  bool is_silent(ServerTime now) const { return now - last_view_ > rules_.stop_rendering_after; }
+
+  std::uint64_t id() const { return id_; }
+  std::uint32_t epoch() const { return epoch_; }
+  net::PeerId peer() const { return peer_; }
+  const std::string& client_key() const { return client_key_; }
+  const net::ResumeToken& resume_token() const { return token_; }
+  const ClientSetup& setup() const { return *setup_; }
+  const CreditWindow& credit() const { return credit_; }
+  const SessionCounters& counters() const { return counters_; }
+
+ private:
+  struct Ready {
+    std::uint64_t frame = 0;
+    ServerTime at{};
+  };
+  void take_acks(const net::Acks& acks, ServerTime received);
+  void take_view(const net::ViewState& view, ServerTime received);
+  Actions release_ready(ServerTime now);
+  /// Nobody watches: ready frames are dropped, the one being rendered is reported back by its
+  /// stage.
+  Actions abandon_unsent();
+  bool is_mine(const FrameKey& key) const { return key.session == id_ && key.epoch == epoch_; }
+
+  std::uint64_t id_;
+  std::string client_key_;
+  SessionRules rules_;
+  net::PeerId peer_;
+  std::uint32_t epoch_ = 0;
+  net::ResumeToken token_{};
+  std::shared_ptr<const ClientSetup> setup_;
+  CreditWindow credit_;
+  std::optional<net::ViewState> view_;  ///< newest, not yet rendered
+  ServerTime view_received_{}, last_view_{};
+  std::optional<std::uint64_t> newest_sequence_;
+  std::deque<Ready> ready_;
+  std::deque<SendStamp> unreported_;
+  SessionCounters counters_;
+};
+
+}  // namespace macula::session

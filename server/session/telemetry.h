@@ -1,0 +1,40 @@
+// What a server tells about itself: counters that only grow, and the stage times of the last
+// frames. A value; Server::telemetry() makes a copy.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "server/session/session_table.h"
+#include "shared/net/server_endpoint.h"
+
+namespace macula::session {
+
+/// Stages of one frame in ms; send_queue reaches from the end of encoding to the last byte sent.
+struct StageTimes {
+  double view_wait_ms = 0.0, render_ms = 0.0, encode_ms = 0.0;
+};
+
+struct SessionState {
+  std::uint64_t session = 0;
+  std::uint32_t epoch = 0;
+  int in_flight = 0, unsent = 0, window = 0;
+};
+
+struct Telemetry {
+  std::uint64_t frames_rendered = 0, frames_encoded = 0, frames_stopped = 0, frames_failed = 0;
+  std::uint64_t rays = 0, cells = 0, non_finite_samples = 0;
+  double newest_scale = 1.0;           ///< of the governor, for the last frame rendered
+  std::vector<StageTimes> recent;      ///< oldest first, at most 64 frames
+  std::vector<double> recent_send_ms;  ///< send_queue of the last frames, oldest first, at most 64
+  std::vector<SessionState> now;       ///< the sessions alive
+  SessionCounters sessions;
+  TableCounters table;
+  net::ServerCounters net;
+};
+
+/// One line for the log: rates, medians of the stages, losses.
+std::string summary_line(const Telemetry& telemetry);
+
+}  // namespace macula::session

@@ -1,0 +1,70 @@
+#include "server/session/view_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shared/base/text.h"
+
+namespace macula::session {
+namespace {
+
+foveation::Display scaled_display(const foveation::Display& announced, const Fov& fov,
+                                  double scale) {
+  const auto side = [&](int px) { return std::max(1, static_cast<int>(std::lround(px * scale))); };
+  return {fov, side(announced.width_px), side(announced.height_px)};
+}
+
+Result<foveation::RateModel> wanted_model(const net::Settings& wish, const ViewPolicy& policy) {
+  if (wish.rate_model.empty()) return policy.rate_model;
+  return foveation::find_rate_model(wish.rate_model);
+}
+
+foveation::FovealGridOptions grid_options(const net::Settings& wish, const ViewPolicy& policy) {
+  foveation::FovealGridOptions options;
+  options.fovea_oversampling =
+      wish.fovea_oversampling != 0.0 ? wish.fovea_oversampling : policy.fovea_oversampling;
+  options.full_rate_radius = policy.full_rate_radius;
+  options.guard_band = policy.guard_band;
+  return options;
+}
+
+Result<std::size_t> checked_cells(const PixelGrid& grid, const ViewPolicy& policy) {
+  if (!foveation::is_valid(grid) || grid.width() > policy.most_cells_a_side ||
+      grid.height() > policy.most_cells_a_side)
+    return base::bad_input(
+        base::concat("a grid of ", grid.width(), " x ", grid.height(), " cells"),
+        "the client's display",
+        base::concat("at most ", policy.most_cells_a_side, " a side: ask for less oversampling"));
+  return static_cast<std::size_t>(grid.width()) * static_cast<std::size_t>(grid.height());
+}
+
+}  // namespace
+
+Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetup& setup,
+                                    const ViewPolicy& policy, double scale, GazeFilters& filters) {
+  const auto model = wanted_model(setup.settings, policy);
+  if (!model) return base::forward(model);
+  const foveation::FovealGridOptions options = grid_options(setup.settings, policy);
+  const Pose world_from_head = policy.scene_from_stage * view.stage_from_head;
+
+  std::vector<kernels::View> views;
+  std::vector<FoveationMap::ViewInput> inputs;
+  std::size_t cells = 0;
+  for (std::size_t eye = 0; eye < view.eyes.size(); ++eye) {
+    const net::EyeState& state = view.eyes[eye];
+    const foveation::Display display = scaled_display(setup.eyes[eye], state.fov, scale);
+    const Gaze gaze = filters[eye].update(state.gaze);
+    PixelGrid grid = foveation::make_foveal_grid(display, gaze, *model, options);
+    const auto count = checked_cells(grid, policy);
+    if (!count) return base::forward(count);
+    cells += *count;
+    inputs.push_back({grid, gaze, display.pixel_tangent()});
+    views.push_back({world_from_head * state.head_from_eye, std::move(grid), gaze, policy.tone});
+  }
+  if (cells > policy.most_cells)
+    return base::bad_input(base::concat("a frame of ", cells, " cells"), "the client's display",
+                           base::concat("at most ", policy.most_cells));
+  return PreparedViews{std::move(views), FoveationMap(std::move(inputs), *model), cells};
+}
+
+}  // namespace macula::session

@@ -1,0 +1,31 @@
+// From a client's view state to what a kernel renders: one view per eye in world space, on a foveal
+// grid around the filtered gaze, and the rate map of both. Pure.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "server/kernels/kernel.h"
+#include "server/session/actions.h"
+#include "server/session/config.h"
+#include "shared/base/result.h"
+#include "shared/foveation/foveation_map.h"
+#include "shared/foveation/gaze_filter.h"
+
+namespace macula::session {
+
+/// One filter per eye, kept from frame to frame.
+using GazeFilters = std::array<foveation::GazeFilter, 2>;
+
+struct PreparedViews {
+  std::vector<kernels::View> views;
+  FoveationMap foveation;
+  std::size_t cells = 0;
+};
+
+/// `scale` (0, 1] shrinks the nominal display that rates refer to; the field of view stays.
+/// Errors: more cells than the policy allows, a rate model nobody knows.
+Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetup& setup,
+                                    const ViewPolicy& policy, double scale, GazeFilters& filters);
+
+}  // namespace macula::session
