@@ -1,6 +1,6 @@
-// Colour pictures <-> bytes, a rectangle at a time. Jpeg is stateless (libjpeg-turbo): any frame may be
-// dropped, gaze may jump. Lossless is zstd over predicted rows, bit-exact. Decoding checks the coded
-// size against the expected rectangle before it allocates.
+// Colour pictures <-> bytes, a rectangle at a time. Jpeg is stateless (libjpeg-turbo): any frame
+// may be dropped, gaze may jump. Lossless is zstd over predicted rows, bit-exact. Decoding checks
+// the coded size against the expected rectangle before it allocates.
 #pragma once
 
 #include <cstddef>
@@ -24,10 +24,13 @@ struct ColorOptions {
 
 using Bytes = std::vector<std::byte>;
 
-/// Encodes `rect` of `picture`.
+/// Encodes `rect` of `picture`. An Error when it is empty or not inside the picture, has more than
+/// 65535 pixels a side, or the quality is out of range. Thread-safe, like decoding.
 Result<Bytes> encode_color(const image::Plane<Rgb8>& picture, const image::Rect& rect,
                            const ColorOptions& options);
-/// Decodes into `rect` of `picture`, which must already have its size.
+/// Decodes into `rect` of `picture`, which must already have its size. An Error when the bytes are
+/// damaged or belong to another size; the rectangle's contents are then unspecified, nothing else
+/// is touched.
 Result<void> decode_color(std::span<const std::byte> bytes, ColorCodec codec,
                           const image::Rect& rect, image::Plane<Rgb8>& picture);
 
