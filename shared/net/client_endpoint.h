@@ -1,7 +1,7 @@
-// The client's end of the wire: one DEALER socket under CURVE, owned by one net thread that says Hello
-// after every (re)connection, pings, assembles frames within limits, acks them at once, and remakes
-// its socket with backoff when the monitor reports a failed handshake or a protocol error. All public
-// members are thread-safe.
+// The client's end of the wire: one DEALER socket under CURVE, owned by one net thread that says
+// Hello after every (re)connection, pings, assembles frames within limits, acks them at once, and
+// remakes its socket with backoff when the monitor reports a failed handshake or a protocol error.
+// All public members are thread-safe.
 #pragma once
 
 #include <memory>

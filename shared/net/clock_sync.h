@@ -1,5 +1,5 @@
-// Clock offset between client and server from four-stamp exchanges. Keeps the lowest-RTT samples of a
-// window; the bound is RTT_min / 2 + 500 ppm x the sample's age, and a sample outside the bound
+// Clock offset between client and server from four-stamp exchanges. Keeps the lowest-RTT samples of
+// a window; the bound is RTT_min / 2 + 500 ppm x the sample's age, and a sample outside the bound
 // (suspend, restart) resets the estimator. A value: the net thread updates, others read copies.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace macula::net {
 
 struct ClockEstimate {
   Nanoseconds server_minus_client{0};
-  Nanoseconds bound{0};    ///< |error of server_minus_client| is at most this on any link
+  Nanoseconds bound{0};  ///< |error of server_minus_client| is at most this on any link
   Nanoseconds min_rtt{0};
 
   ClientTime to_client(ServerTime t) const {

@@ -24,7 +24,8 @@ enum class Role { Server, Client };
 KeyPair make_key_pair();
 Result<KeyPair> load_or_make_keys(const std::string& folder, Role role);
 Result<std::string> load_public_key(const std::string& file);
-/// Exact keys allowed now: allowed/*.pub, and client.pub of the same folder when `trust_own_client`.
+/// Exact keys allowed now: allowed/*.pub, and client.pub of the same folder when
+/// `trust_own_client`.
 std::vector<std::string> allowed_clients(const std::string& folder, bool trust_own_client);
 /// Writes allowed/NAME.pub.
 Result<void> allow_client(const std::string& folder, const std::string& name,

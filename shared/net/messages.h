@@ -27,10 +27,10 @@ using ResumeToken = std::array<std::byte, 16>;
 
 struct Settings {
   std::uint32_t generation = 0;
-  std::string color_codec;           ///< "jpeg", "lossless", "" = the server's default
-  int jpeg_quality = 0;              ///< 1..100, 0 = the server's default
-  std::string rate_model;            ///< a preset's name, "" = the server's default
-  double fovea_oversampling = 0.0;   ///< 1, 1.5, 2, ...; 0 = the server's default
+  std::string color_codec;          ///< "jpeg", "lossless", "" = the server's default
+  int jpeg_quality = 0;             ///< 1..100, 0 = the server's default
+  std::string rate_model;           ///< a preset's name, "" = the server's default
+  double fovea_oversampling = 0.0;  ///< 1, 1.5, 2, ...; 0 = the server's default
 };
 
 struct Hello {
@@ -90,12 +90,12 @@ struct Acks {
 
 struct ViewState {
   std::uint64_t sequence = 0;
-  ClientTime sampled{};            ///< when the head pose was read
+  ClientTime sampled{};  ///< when the head pose was read
   ClientTime predicted_display{};
   Pose stage_from_head;
-  std::vector<EyeState> eyes;      ///< as many as Hello announced
+  std::vector<EyeState> eyes;  ///< as many as Hello announced
   ClientTime gaze_sampled{};
-  Acks acks;                       ///< filled in by ClientEndpoint
+  Acks acks;  ///< filled in by ClientEndpoint
 };
 
 struct FrameView {
@@ -104,7 +104,7 @@ struct FrameView {
   Gaze gaze;
   PixelGrid grid;
   image::Tone tone;
-  float depth_inverse_scale_per_m = 0.0F;  ///< a depth sample of 65535 means this inverse depth
+  float depth_inverse_scale_per_m = 0.0F;    ///< a depth sample of 65535 means this inverse depth
   std::vector<std::uint8_t> depth_residual;  ///< per 8x8 block; see codec::DepthPlane
 };
 
@@ -116,7 +116,7 @@ struct SliceEntry {
   std::uint32_t eye = 0, layer = 0;
   PlaneKind plane = PlaneKind::Color;
   SliceCodec codec = SliceCodec::Jpeg;
-  image::Rect rect;               ///< in cells of the eye's grid
+  image::Rect rect;  ///< in cells of the eye's grid
   std::uint32_t size_bytes = 0;
 };
 
@@ -127,10 +127,10 @@ struct InstanceMotion {
 
 struct FrameBegin {
   std::uint32_t epoch = 0;
-  std::uint64_t frame = 0;          ///< counts from 1 within an epoch
+  std::uint64_t frame = 0;  ///< counts from 1 within an epoch
   std::uint64_t view_sequence = 0;
   ClientTime view_sampled{}, view_predicted_display{}, gaze_sampled{};
-  Nanoseconds horizon{0};           ///< how far ahead of the view state the pose was predicted
+  Nanoseconds horizon{0};  ///< how far ahead of the view state the pose was predicted
   Radians guard_band{0.0};
   std::vector<FrameView> views;
   std::string kernel, config;
@@ -186,14 +186,14 @@ using Message = std::variant<Hello, Welcome, Refusal, Settings, Bye, ViewState, 
 
 /// What is refused before anything is allocated.
 struct Limits {
-  std::size_t max_part_bytes = 65536;      ///< payload parts
+  std::size_t max_part_bytes = 65536;       ///< payload parts
   std::size_t max_envelope_bytes = 262144;  ///< part 0 (grids make FrameBegin the largest)
   std::size_t max_view_state_bytes = 512;
   std::size_t max_frame_bytes = 64U << 20;
   std::size_t max_slices = 256;
   int max_views = 2;
   int max_side_px = 8192;
-  std::size_t max_cells = 32U << 20;      ///< over all views of a frame
+  std::size_t max_cells = 32U << 20;  ///< over all views of a frame
 };
 
 }  // namespace macula::net

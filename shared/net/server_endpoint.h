@@ -1,6 +1,6 @@
-// The server's end of the wire: one ROUTER socket, CURVE and ZAP (fail closed), owned by one net thread
-// that sleeps in poll, stamps on wake-up and answers Pings at once. Everything else is events out and
-// messages in; all public members are thread-safe.
+// The server's end of the wire: one ROUTER socket, CURVE and ZAP (fail closed), owned by one net
+// thread that sleeps in poll, stamps on wake-up and answers Pings at once. Everything else is
+// events out and messages in; all public members are thread-safe.
 #pragma once
 
 #include <memory>
@@ -25,12 +25,13 @@ struct HelloReceived {
   ServerTime received;
 };
 /// The newest view of a peer (older ones not yet taken are replaced) and its acks. `view` is absent
-/// when the message failed check_view_state or only acks came; acks are taken first from every message.
+/// when the message failed check_view_state or only acks came; acks are taken first from every
+/// message.
 struct ViewReceived {
   PeerId peer;
   std::optional<ViewState> view;
   Acks acks;
-  ServerTime received;       ///< when the net thread woke for `view` (or for the acks)
+  ServerTime received;  ///< when the net thread woke for `view` (or for the acks)
 };
 struct SettingsReceived {
   PeerId peer;
@@ -77,7 +78,7 @@ class ServerEndpoint {
                                                         const base::Clock& clock);
   virtual ~ServerEndpoint() = default;
 
-  virtual std::string endpoint() const = 0;          ///< with the actual port
+  virtual std::string endpoint() const = 0;  ///< with the actual port
   virtual std::string public_key_z85() const = 0;
   /// Next event, or nullopt after `timeout`.
   virtual std::optional<ServerEvent> wait(Nanoseconds timeout) = 0;

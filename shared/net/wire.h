@@ -1,5 +1,5 @@
-// Messages <-> bytes. Part 0 is "MAC" + version byte, then one protobuf Envelope. Decoding checks every
-// limit and value (finite, unit, in range) before it hands a struct out.
+// Messages <-> bytes. Part 0 is "MAC" + version byte, then one protobuf Envelope. Decoding checks
+// every limit and value (finite, unit, in range) before it hands a struct out.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@ namespace macula::net {
 
 std::string encode_envelope(const Message& message);
 
-/// `peer_version` of the error text names both versions when the magic fits but the version does not.
+/// `peer_version` of the error text names both versions when the magic fits but the version does
+/// not.
 Result<Message> decode_envelope(std::span<const std::byte> part0, const Limits& limits = {});
 
 /// The version byte of a part 0 with our magic, so that a mismatch can be answered with a Refusal.

@@ -1,0 +1,195 @@
+#include "shared/net/keys.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zmq.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "shared/base/check.h"
+#include "shared/base/text.h"
+#include "shared/net/wakeup.h"
+
+namespace macula::net {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kZ85Key = 40;  ///< characters of a 32-byte key
+constexpr mode_t kFolderMode = 0700, kFileMode = 0600, kOthersMayUse = 0077;
+
+/// The alphabet of Z85 (rfc.zeromq.org/spec/32).
+bool is_z85_key(const std::string& text) {
+  constexpr std::string_view kAlphabet =
+      "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
+  return text.size() == kZ85Key && text.find_first_not_of(kAlphabet) == std::string::npos;
+}
+
+std::string without_line_end(std::string text) {
+  while (!text.empty() && std::strchr(" \t\r\n", text.back()) != nullptr) text.pop_back();
+  return text;
+}
+
+Result<std::string> read_key_line(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return base::bad_input(base::concat("cannot read: ", std::strerror(errno)), file);
+  std::array<char, kZ85Key + 8> bytes{};
+  in.read(bytes.data(), bytes.size());
+  const std::string key = without_line_end(
+      {bytes.data(), static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount()))});
+  if (is_z85_key(key)) return key;
+  return base::bad_input("not a key", file, "one line of 40 characters of Z85 text");
+}
+
+/// Nobody but the owner may use the file or folder.
+Result<void> check_private(const std::string& path, mode_t wanted) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) {
+    return base::bad_input(base::concat("cannot look at it: ", std::strerror(errno)), path);
+  }
+  if ((status.st_mode & kOthersMayUse) == 0) return {};
+  const char* const mode = wanted == kFolderMode ? "700" : "600";
+  return base::bad_input("other users of this machine may use these keys", path,
+                         base::concat("run: chmod ", mode, " '", path, "'"));
+}
+
+Result<void> make_private_folder(const std::string& folder) {
+  std::error_code error;
+  const fs::path parent = fs::path(folder).parent_path();
+  if (!parent.empty()) fs::create_directories(parent, error);
+  if (::mkdir(folder.c_str(), kFolderMode) != 0 && errno != EEXIST) {
+    return base::bad_input(base::concat("cannot make the folder: ", std::strerror(errno)), folder,
+                           "choose another with --keys");
+  }
+  if (!fs::is_directory(folder, error)) {
+    return base::bad_input("not a folder", folder, "choose another with --keys");
+  }
+  return check_private(folder, kFolderMode);
+}
+
+bool write_all(int fd, const std::string& text) {
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t count = ::write(fd, text.data() + done, text.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    done += static_cast<std::size_t>(count);
+  }
+  return ::fsync(fd) == 0;
+}
+
+enum class Existing { Keep, Replace };
+
+/// The file appears whole or not at all; with Keep, a file that is already there stays.
+Result<void> write_key_file(const std::string& file, const std::string& key, Existing existing) {
+  std::string temporary = file + ".XXXXXX";
+  const Fd fd(::mkostemp(temporary.data(), O_CLOEXEC));
+  const auto failure = [&] {
+    const int error = errno;
+    ::unlink(temporary.c_str());
+    return base::runtime_error(base::concat("cannot write: ", std::strerror(error)), file,
+                               "make room or choose another folder with --keys");
+  };
+  if (!fd.valid()) return failure();
+  if (::fchmod(fd.value(), kFileMode) != 0 || !write_all(fd.value(), key + "\n")) return failure();
+  if (existing == Existing::Replace) {
+    if (::rename(temporary.c_str(), file.c_str()) != 0) return failure();
+    return {};
+  }
+  if (::link(temporary.c_str(), file.c_str()) != 0 && errno != EEXIST) return failure();
+  ::unlink(temporary.c_str());
+  return {};
+}
+
+std::string public_of(const std::string& secret_z85) {
+  std::array<char, kZ85Key + 1> text{};
+  MACULA_CHECK(zmq_curve_public(text.data(), secret_z85.c_str()) == 0, "libzmq without CURVE");
+  return text.data();
+}
+
+bool is_file_name(const std::string& name) {
+  constexpr std::size_t kLongest = 64;
+  constexpr std::string_view kAllowed =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
+  return !name.empty() && name.size() <= kLongest && name.front() != '.' &&
+         name.find_first_not_of(kAllowed) == std::string::npos;
+}
+
+}  // namespace
+
+std::string default_key_folder(const char* xdg_config_home, const char* home) {
+  // The XDG base directory specification has relative values ignored.
+  if (xdg_config_home != nullptr && xdg_config_home[0] == '/') {
+    return (fs::path(xdg_config_home) / "macula").string();
+  }
+  return (fs::path(home == nullptr ? "." : home) / ".config" / "macula").string();
+}
+
+KeyPair make_key_pair() {
+  std::array<char, kZ85Key + 1> public_text{}, secret_text{};
+  MACULA_CHECK(zmq_curve_keypair(public_text.data(), secret_text.data()) == 0,
+               "libzmq without CURVE");
+  return {public_text.data(), secret_text.data()};
+}
+
+Result<KeyPair> load_or_make_keys(const std::string& folder, Role role) {
+  if (auto made = make_private_folder(folder); !made) return forward(made);
+  const std::string stem = folder + (role == Role::Server ? "/server" : "/client");
+  const std::string secret_file = stem + ".key", public_file = stem + ".pub";
+  if (!fs::exists(secret_file)) {
+    const auto written = write_key_file(secret_file, make_key_pair().secret_z85, Existing::Keep);
+    if (!written) return forward(written);
+  }
+  if (auto checked = check_private(secret_file, kFileMode); !checked) return forward(checked);
+  const auto secret = read_key_line(secret_file);
+  if (!secret) return forward(secret);
+  KeyPair keys{public_of(*secret), *secret};
+  // The secret key decides; a public file that is missing or of another key is written anew.
+  const auto known = read_key_line(public_file);
+  if (!known || *known != keys.public_z85) {
+    const auto written = write_key_file(public_file, keys.public_z85, Existing::Replace);
+    if (!written) return forward(written);
+  }
+  return keys;
+}
+
+Result<std::string> load_public_key(const std::string& file) {
+  return read_key_line(file);
+}
+
+std::vector<std::string> allowed_clients(const std::string& folder, bool trust_own_client) {
+  std::vector<std::string> keys;
+  const auto add = [&keys](const std::string& file) {
+    if (auto key = read_key_line(file)) keys.push_back(std::move(*key));
+  };
+  if (trust_own_client) add(folder + "/client.pub");
+  std::error_code error;
+  fs::directory_iterator entry(folder + "/allowed", error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (entry->path().extension() == ".pub") add(entry->path().string());
+  }
+  return keys;
+}
+
+Result<void> allow_client(const std::string& folder, const std::string& name,
+                          const std::string& public_z85) {
+  if (!is_file_name(name)) {
+    return base::bad_input(base::concat("'", name, "'"), "client name",
+                           "1..64 letters, digits, '.', '_', '-', not starting with '.'");
+  }
+  if (!is_z85_key(public_z85)) {
+    return base::bad_input("not a key", "client key", "40 characters of Z85 text");
+  }
+  if (auto made = make_private_folder(folder); !made) return made;
+  if (auto made = make_private_folder(folder + "/allowed"); !made) return made;
+  return write_key_file(folder + "/allowed/" + name + ".pub", public_z85, Existing::Replace);
+}
+
+}  // namespace macula::net
