@@ -1,0 +1,127 @@
+#include "client/frames/decode.h"
+
+#include <algorithm>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "client/frames/for_each_eye.h"
+#include "shared/base/text.h"
+#include "shared/codec/color.h"
+#include "shared/codec/depth.h"
+
+namespace macula::frames {
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+bool is_inside(const image::Rect& rect, int width, int height) {
+  return rect.x >= 0 && rect.y >= 0 && rect.width > 0 && rect.height > 0 &&
+         rect.width <= width - rect.x && rect.height <= height - rect.y;
+}
+
+Result<void> decode_color_slice(const net::SliceEntry& slice, Bytes bytes, DecodedEye& eye) {
+  switch (slice.codec) {
+    case net::SliceCodec::Jpeg:
+      return codec::decode_color(bytes, codec::ColorCodec::Jpeg, slice.rect, eye.color);
+    case net::SliceCodec::Lossless:
+      return codec::decode_color(bytes, codec::ColorCodec::Lossless, slice.rect, eye.color);
+    default:
+      return base::bad_input("colour comes in a codec this client cannot decode", {},
+                             "jpeg or lossless");
+  }
+}
+
+Result<void> decode_depth_slice(const net::SliceEntry& slice, Bytes bytes,
+                                float inverse_scale_per_m, DecodedEye& eye) {
+  if (slice.codec != net::SliceCodec::InverseDepth) {
+    return base::bad_input("depth comes in a codec this client cannot decode", {}, "inverse depth");
+  }
+  image::Plane<float>& whole = eye.inverse_depth_per_m;
+  if (slice.rect == whole.rect()) return codec::decode_depth(bytes, inverse_scale_per_m, whole);
+  image::Plane<float> part(slice.rect.width, slice.rect.height);
+  if (auto done = codec::decode_depth(bytes, inverse_scale_per_m, part); !done) return done;
+  for (int y = 0; y < part.height(); ++y) {
+    std::copy(part.row(y).begin(), part.row(y).end(),
+              whole.row(slice.rect.y + y).begin() + slice.rect.x);
+  }
+  return {};
+}
+
+Result<void> decode_slice(const net::SliceEntry& slice, Bytes bytes, const net::FrameView& view,
+                          DecodedEye& eye) {
+  if (!is_inside(slice.rect, eye.color.width(), eye.color.height())) {
+    return base::bad_input("its rectangle leaves the grid", {},
+                           "a rectangle inside the eye's grid");
+  }
+  return slice.plane == net::PlaneKind::Color
+             ? decode_color_slice(slice, bytes, eye)
+             : decode_depth_slice(slice, bytes, view.depth_inverse_scale_per_m, eye);
+}
+
+std::string place(const net::FrameBegin& begin, std::size_t slice) {
+  return base::concat("frame ", begin.frame, ", slice ", slice);
+}
+
+/// One eye from its slices; the error of the first that fails.
+Result<DecodedEye> decode_eye(const net::ReceivedFrame& received, std::size_t eye_index) {
+  const net::FrameBegin& begin = received.begin;
+  const net::FrameView& view = begin.views[eye_index];
+  const int width = view.grid.width(), height = view.grid.height();
+  DecodedEye eye{image::Plane<Rgb8>(width, height), image::Plane<float>(width, height)};
+  std::uint64_t colored = 0;
+  for (std::size_t i = 0; i < begin.slices.size(); ++i) {
+    const net::SliceEntry& slice = begin.slices[i];
+    if (slice.eye != eye_index || slice.layer != 0) continue;
+    if (auto done = decode_slice(slice, received.payloads[i], view, eye); !done) {
+      Error error = done.error();
+      error.where = place(begin, i);
+      return tl::unexpected(std::move(error));
+    }
+    if (slice.plane == net::PlaneKind::Color) {
+      colored += static_cast<std::uint64_t>(slice.rect.width) * slice.rect.height;
+    }
+  }
+  if (colored < eye.color.size()) {
+    return base::bad_input(base::concat("colour covers ", colored, " of ", eye.color.size(),
+                                        " cells of eye ", eye_index),
+                           base::concat("frame ", begin.frame), "every cell of the grid");
+  }
+  return eye;
+}
+
+std::uint64_t payload_bytes(const net::ReceivedFrame& received) {
+  std::uint64_t bytes = 0;
+  for (const auto& payload : received.payloads) bytes += payload.size();
+  return bytes;
+}
+
+}  // namespace
+
+Result<DecodedFrame> decode(net::ReceivedFrame received, const base::Clock& clock,
+                            const DecodeOptions& options) {
+  if (received.payloads.size() != received.begin.slices.size()) {
+    return base::bad_input(base::concat(received.payloads.size(), " payloads for ",
+                                        received.begin.slices.size(), " slices"),
+                           base::concat("frame ", received.begin.frame), "one payload a slice");
+  }
+  std::vector<Result<DecodedEye>> eyes(received.begin.views.size());
+  for_each_eye(eyes.size(), [&](std::size_t eye) { eyes[eye] = decode_eye(received, eye); });
+  if (options.delay > Nanoseconds{0}) std::this_thread::sleep_for(options.delay);
+
+  DecodedFrame frame;
+  for (auto& eye : eyes) {
+    if (!eye) return base::forward(eye);
+    frame.eyes.push_back(std::move(*eye));
+  }
+  frame.bytes = payload_bytes(received);
+  frame.begin = std::move(received.begin);
+  frame.end = received.end;
+  frame.first_byte = received.first_byte;
+  frame.last_byte = received.last_byte;
+  frame.decoded = ClientTime{clock.now()};
+  return frame;
+}
+
+}  // namespace macula::frames

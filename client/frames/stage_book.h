@@ -1,0 +1,53 @@
+// StageBook: collects the stamps of shown frames until they are whole. When a frame left the
+// server's send queue is known only from the FrameBegin of the next one, which another thread
+// reads; a frame whose successor never came stays without an account and is counted. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "client/frames/frame_order.h"
+#include "client/frames/stages.h"
+#include "shared/net/messages.h"
+
+namespace macula::frames {
+
+struct AccountedFrame {
+  FrameId id;
+  StageTimes times;
+};
+
+class StageBook {
+ public:
+  /// What `begin` tells about the frame before it.
+  void note_begin(const net::FrameBegin& begin);
+  /// The first showing of a frame. `clock` is the estimate in force now.
+  void note_shown(FrameId id, const net::FrameEnd& end, const ClientStamps& stamps,
+                  const net::ClockEstimate& clock);
+  /// Whole accounts in the order they became whole; the book keeps them.
+  std::vector<AccountedFrame> accounts() const;
+  /// Shown frames whose send queue is not known, now or ever.
+  std::uint64_t incomplete() const;
+
+ private:
+  struct Shown {
+    ServerStamps server;  // without the send queue
+    ClientStamps client;
+    net::ClockEstimate clock;
+  };
+  struct Sent {
+    FrameId id;
+    ServerTime begin, end;
+  };
+  void join(FrameId id);
+
+  mutable std::mutex mutex_;
+  std::map<FrameId, Shown> shown_;  // waiting for their send queue
+  std::deque<Sent> sent_;           // not shown yet, newest last, bounded
+  std::vector<AccountedFrame> accounts_;
+};
+
+}  // namespace macula::frames
