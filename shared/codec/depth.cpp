@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "shared/base/text.h"
+#include "shared/codec/depth_simd.h"
 #include "shared/codec/packed.h"
 
 namespace macula::codec {
@@ -14,68 +14,24 @@ namespace {
 using base::bad_input;
 using base::concat;
 
-constexpr float kNothing = std::numeric_limits<float>::infinity();
-constexpr float kLastSample = 65535.0F;
 /// A frame that sees nothing nearer than 1e30 m is scaled as if it did, to stay clear of
 /// subnormals.
 constexpr float kSmallestScale = 1e-30F;
 constexpr float kResidualUnitsPerStep = 16.0F;
-/// 1 / z in float is within 2^-24 of the truth; twice that also covers the subtraction after it.
-constexpr float kInverseMargin = 0x1p-23F;
-
-/// Samples <-> inverse depth, for one frame.
-struct Quantizer {
-  explicit Quantizer(float inverse_scale_per_m)
-      : step(inverse_scale_per_m / kLastSample),
-        steps_per_inverse(inverse_scale_per_m > 0.0F ? kLastSample / inverse_scale_per_m : 0.0F) {}
-  std::uint16_t sample(float inverse) const {
-    return static_cast<std::uint16_t>(
-        static_cast<int>(std::min(inverse * steps_per_inverse + 0.5F, kLastSample)));
-  }
-  float inverse(std::uint16_t sample) const { return static_cast<float>(sample) * step; }
-
-  float step;               ///< in 1/m
-  float steps_per_inverse;  ///< in m
-};
-
-float without_nan(float depth_m) {
-  return depth_m == depth_m ? depth_m : kNothing;
-}
-
-float clamped(float depth_m, float nearest_m) {
-  return std::max(without_nan(depth_m), nearest_m);
-}
-
-/// Inverse depth as it truly is; what is not in front of the viewer has no number small enough.
-float true_inverse(float depth_m) {
-  const float depth = without_nan(depth_m);
-  return depth > 0.0F ? 1.0F / depth : kNothing;
-}
 
 /// By comparing bits: positive floats order as integers do, and integers have vector minima.
 float nearest_depth(std::span<const float> depth_m, float nearest_m) {
-  auto nearest = std::bit_cast<std::int32_t>(kNothing);
-  for (const float depth : depth_m)
-    nearest = std::min(nearest, std::bit_cast<std::int32_t>(clamped(depth, nearest_m)));
+  auto nearest = std::bit_cast<std::int32_t>(kNothingThere);
+  for (const float depth : depth_m) {
+    const float known = depth == depth ? depth : kNothingThere;
+    nearest = std::min(nearest, std::bit_cast<std::int32_t>(std::max(known, nearest_m)));
+  }
   return std::bit_cast<float>(nearest);
 }
 
 float choose_scale(const image::Plane<float>& depth_m, float nearest_m) {
   const float nearest = nearest_depth(depth_m.pixels(), nearest_m);
-  return nearest == kNothing ? 0.0F : std::max(1.0F / nearest, kSmallestScale);
-}
-
-/// Writes one row of samples and raises `error` (1/m, per column) to what they lose.
-void quantize_row(std::span<const float> depth_m, const Quantizer& quantizer, float nearest_m,
-                  std::uint16_t* samples, float* error) {
-  for (std::size_t x = 0; x < depth_m.size(); ++x) {
-    const float inverse = 1.0F / clamped(depth_m[x], nearest_m);
-    const std::uint16_t sample = quantizer.sample(inverse);
-    const float truth = true_inverse(depth_m[x]);
-    const float lost = std::abs(quantizer.inverse(sample) - truth) + truth * kInverseMargin;
-    samples[x] = sample;
-    error[x] = std::max(error[x], lost);
-  }
+  return nearest == kNothingThere ? 0.0F : std::max(1.0F / nearest, kSmallestScale);
 }
 
 std::uint16_t zigzag(std::uint16_t delta) {
@@ -106,18 +62,21 @@ std::uint16_t restore_row(const std::uint8_t* low, const std::uint8_t* high, std
 }
 
 /// Columns' errors over one row of blocks -> one byte a block.
-void append_residuals(std::span<const float> error, float step, std::vector<std::uint8_t>& out) {
+void append_residuals(std::span<const float> error, float step_per_m,
+                      std::vector<std::uint8_t>& out) {
   for (std::size_t first = 0; first < error.size(); first += kDepthBlockPx) {
     const auto block =
         error.subspan(first, std::min<std::size_t>(kDepthBlockPx, error.size() - first));
     const float worst = *std::max_element(block.begin(), block.end());
-    const float units = worst > 0.0F ? std::ceil(worst * (kResidualUnitsPerStep / step)) : 0.0F;
+    const float units =
+        worst > 0.0F ? std::ceil(worst * (kResidualUnitsPerStep / step_per_m)) : 0.0F;
     out.push_back(static_cast<std::uint8_t>(std::min(units, 255.0F)));
   }
 }
 
 /// What a thread keeps between frames.
 struct Workspace {
+  Scratch<float> depth;
   Scratch<std::uint16_t> samples;
   Scratch<float> error;
   Scratch<std::uint8_t> filtered;
@@ -134,17 +93,20 @@ std::span<const std::uint8_t> filter_plane(const image::Plane<float>& depth_m, f
                                            std::vector<std::uint8_t>& residual) {
   const auto width = static_cast<std::size_t>(depth_m.width());
   const auto filtered = workspace().filtered.take(2 * depth_m.size());
-  const auto row = workspace().samples.take(width + 1);  // [0] predicts the first sample
-  const auto error = workspace().error.take(width);
+  const auto depth = workspace().depth.take(width + kRowPadding);
+  const auto row = workspace().samples.take(1 + width + kRowPadding);  // [0] predicts the first
+  const auto error = workspace().error.take(width + kRowPadding);
+  std::fill(depth.begin(), depth.end(), kNothingThere);
   std::fill(error.begin(), error.end(), 0.0F);
   row[0] = 0;
   for (int y = 0; y < depth_m.height(); ++y) {
-    quantize_row(depth_m.row(y), quantizer, nearest_m, &row[1], error.data());
+    std::copy(depth_m.row(y).begin(), depth_m.row(y).end(), depth.begin());
+    quantize_row(depth.data(), width, quantizer, nearest_m, &row[1], error.data());
     auto* low = filtered.data() + static_cast<std::size_t>(y) * width;
     filter_row(&row[1], width, low, low + depth_m.size());
     row[0] = row[1];
     if ((y + 1) % kDepthBlockPx != 0 && y + 1 != depth_m.height()) continue;
-    append_residuals(error, quantizer.step, residual);
+    append_residuals(error.first(width), quantizer.step_per_m, residual);
     std::fill(error.begin(), error.end(), 0.0F);
   }
   return filtered;

@@ -40,7 +40,7 @@ Result<image::Plane<Rgb8>> decode_jpeg_image(std::span<const std::byte> bytes,
   image::Plane<Rgb8> picture(width, height);
   if (tjDecompress2(decoder.get(), data, bytes.size(),
                     reinterpret_cast<unsigned char*>(picture.data()), width, 0, height, TJPF_RGB,
-                    TJFLAG_STOPONWARNING) != 0) {
+                    TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS) != 0) {
     return fail();
   }
   return picture;
