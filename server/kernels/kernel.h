@@ -51,7 +51,9 @@ struct SurfacePoint {
   std::uint32_t instance = 0, triangle = 0;
   Vec2 barycentric{0.0F};
   float footprint_m = 0.0F;       ///< width of the cell at the point, for texture filtering
-  std::uint64_t key = 0;          ///< sample identity (PixelGrid::cell_key or a hash of one's own)
+  /// Identity of its random numbers; sampling::SampleKey(seed, frame, PixelGrid::cell_key).value
+  /// repeats those of the first sample of that cell.
+  std::uint64_t key = 0;
 };
 
 class Kernel {

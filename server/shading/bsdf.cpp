@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/sampling/frame.h"
+#include "server/sampling/mappings.h"
 #include "server/shading/ggx.h"
 #include "server/shading/ggx_albedo.h"
 
@@ -12,20 +14,8 @@ namespace {
 /// Least cosine between shading normal and eye after bending: 0.06 degrees above the horizon.
 constexpr float kLeastCosine = 1e-3F;
 
-struct Tangents {
-  Vec3 t, b;
-};
-/// Duff et al. (2017), "Building an Orthonormal Basis, Revisited".
-Tangents tangents_of(const Vec3& n) {
-  const float sign = std::copysign(1.0F, n.z);
-  const float a = -1.0F / (sign + n.z);
-  const float b = n.x * n.y * a;
-  return {{1.0F + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
-}
-
 Vec3 to_local(const Vec3& world, const Vec3& normal) {
-  const Tangents basis = tangents_of(normal);
-  return {glm::dot(world, basis.t), glm::dot(world, basis.b), glm::dot(world, normal)};
+  return world * sampling::frame_from_normal(normal);  // row vector: times the transpose
 }
 
 Rgb lobe_albedo(const Bsdf& bsdf, const GgxAlbedo& parts) {
@@ -44,16 +34,6 @@ ShadingFrame make_shading_frame(const Vec3& geometric, const Vec3& shading, cons
     frame.shading = glm::normalize(frame.shading + (kLeastCosine - cosine) * to_eye);
   }
   return frame;
-}
-
-Vec3 sample_cosine_hemisphere(const Vec2& u) {
-  const float radius = std::sqrt(u.x), phi = 2.0F * kPi * u.y;
-  return {radius * std::cos(phi), radius * std::sin(phi), std::sqrt(std::max(0.0F, 1.0F - u.x))};
-}
-
-Vec3 to_world(const Vec3& local, const Vec3& normal) {
-  const Tangents basis = tangents_of(normal);
-  return local.x * basis.t + local.y * basis.b + local.z * normal;
 }
 
 Reflector::Reflector(const Bsdf& bsdf, const ShadingFrame& frame)
@@ -96,11 +76,12 @@ std::optional<BsdfSample> Reflector::sample(const Vec3& u) const {
   if (u.x < lobe_share_) {
     const Vec3 view = to_local(frame_.to_eye, frame_.shading);
     const Vec3 half = ggx_sample_half({view.x, view.y, cos_v_}, bsdf_.alpha, {u.y, u.z});
-    const Vec3 half_world = to_world(half, frame_.shading);
+    const Vec3 half_world = sampling::frame_from_normal(frame_.shading) * half;
     sample.to_light = glm::normalize(
         2.0F * glm::dot(frame_.to_eye, half_world) * half_world - frame_.to_eye);
   } else {
-    sample.to_light = to_world(sample_cosine_hemisphere({u.y, u.z}), frame_.shading);
+    sample.to_light =
+        sampling::frame_from_normal(frame_.shading) * sampling::cosine_hemisphere({u.y, u.z});
   }
   sample.pdf = pdf(sample.to_light);
   const Rgb value = evaluate(sample.to_light);

@@ -69,9 +69,4 @@ class Reflector {
   float lobe_share_ = 0.0F;  ///< probability of sampling the lobe
 };
 
-/// Direction about +z with density cos / pi, for u in [0, 1)^2.
-Vec3 sample_cosine_hemisphere(const Vec2& u);
-/// `local` (z along `normal`) in the world; the tangents are a pure function of the normal.
-Vec3 to_world(const Vec3& local, const Vec3& normal);
-
 }  // namespace macula::shading

@@ -1,0 +1,55 @@
+#include "server/kernels/ray/shading_point.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace macula::kernels::ray {
+
+float ShadingRequest::footprint_uv() const {
+  constexpr float kLeastSlant = 1.0F / 16.0F;
+  const float slant = std::abs(glm::dot(surface.geometric_normal, to_eye));
+  return uv_per_meter * footprint_m / std::sqrt(std::max(slant, kLeastSlant));
+}
+
+ShadedPoint shade_point(const ShadingRequest& request, const SceneFrame& scene,
+                        const Config& config) {
+  const shading::Surface& surface = request.surface;
+  const auto& materials = scene.materials();
+  const float footprint_uv = request.footprint_uv();
+  ShadedPoint shaded;
+  if (glm::dot(surface.geometric_normal, request.to_eye) > 0.0F) {
+    shaded.emission = materials.emission(surface.material, surface.uv, footprint_uv);
+  }
+  shaded.reflector = shading::Reflector(
+      materials.bsdf(surface.material, surface.uv, footprint_uv, config.materials),
+      shading::make_shading_frame(surface.geometric_normal, surface.shading_normal,
+                                  request.to_eye));
+  return shaded;
+}
+
+void shade_batch(std::span<const SurfacePoint> points, const SceneFrame& scene,
+                 const Config& config, const Lighting& lighting, std::span<Rgb> out) {
+  std::array<LitPoint, visibility::kStreamCapacity> lit;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const SurfacePoint& point = points[i];
+    ShadingRequest request;
+    request.surface = scene.surfaces().at(point.instance, point.triangle, point.barycentric);
+    request.to_eye = point.to_eye;
+    if (config.mode == Mode::Fast) {
+      request.uv_per_meter = scene.surfaces().uv_per_meter(point.instance, point.triangle);
+      request.footprint_m = point.footprint_m;
+    }
+    const ShadedPoint shaded = shade_point(request, scene, config);
+    out[i] = shaded.emission;
+    lit[i] = {point.position, shaded.reflector, sampling::SampleKey{}, 0};
+    lit[i].key.value = point.key;
+  }
+  LightingWork work;
+  lighting.add({lit.data(), points.size()}, out, work);
+  for (Rgb& radiance : out) {
+    if (!math::is_finite(radiance)) radiance = Rgb{0.0F};
+  }
+}
+
+}  // namespace macula::kernels::ray

@@ -1,0 +1,228 @@
+#include "server/kernels/ray/tile.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "server/kernels/ray/shading_point.h"
+
+namespace macula::kernels::ray {
+namespace {
+
+constexpr std::size_t kCells = visibility::kStreamCapacity;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+double ms_since(std::chrono::steady_clock::time_point begin) {
+  return units::to_ms(std::chrono::steady_clock::now() - begin);
+}
+
+/// What a cell has gathered over its samples.
+struct Cell {
+  int x = 0, y = 0;
+  sampling::SampleKey key;
+  Rgb sum{0.0F};
+  double luminance_sum = 0.0, luminance_square_sum = 0.0;
+};
+
+class TileRun {
+ public:
+  TileRun(const ViewContext& context, const image::Rect& tile, ViewBuffers& out)
+      : context_(context), out_(out) {
+    list_cells(tile);
+  }
+
+  FrameReport run() {
+    for (int s = 0; s < context_.pattern.samples(); ++s) {
+      trace(s);
+      gather_points(s);
+      light();
+      accumulate();
+    }
+    finish();
+    report_.shadow_rays = work_.shadow_rays;
+    report_.trace_ms += work_.trace_ms;
+    report_.shade_ms -= work_.trace_ms;  // lighting was timed as a whole
+    return report_;
+  }
+
+ private:
+  /// 4x4 blocks, so that every packet of 16 (or 8) rays is a small square of neighbours.
+  void list_cells(const image::Rect& tile) {
+    for (int by = 0; by < tile.height; by += 4) {
+      for (int bx = 0; bx < tile.width; bx += 4) {
+        for (int y = by; y < std::min(by + 4, tile.height); ++y) {
+          for (int x = bx; x < std::min(bx + 4, tile.width); ++x) add_cell(tile.x + x, tile.y + y);
+        }
+      }
+    }
+  }
+  void add_cell(int x, int y) {
+    Cell& cell = cells_[count_++];
+    cell.x = x, cell.y = y;
+    cell.key = {context_.seed, context_.frame, context_.view.grid.cell_key(x, y)};
+  }
+
+  void trace(int s) {
+    const auto begin = std::chrono::steady_clock::now();
+    rays_.clear();
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Vec2 at = context_.pattern.position(cells_[i].key, s);
+      // z = -1 in view space: t is view depth.
+      const Vec3 direction = context_.view.grid.ray(cells_[i].x, cells_[i].y, at.x, at.y);
+      rays_.push(context_.eye, context_.world_from_view * direction, 0.0F, kInfinity);
+    }
+    context_.scene.triangles().intersect(rays_, hits_, visibility::Coherence::Coherent);
+    report_.primary_rays += count_;
+    report_.trace_ms += ms_since(begin);
+  }
+
+  void gather_points(int s) {
+    const auto begin = std::chrono::steady_clock::now();
+    lit_count_ = 0;
+    const bool guide = s == context_.pattern.guide();
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (hits_.hit(static_cast<int>(i))) {
+        add_lit_point(i, s, guide);
+      } else {
+        radiance_[i] = context_.scene.scene().settings.ambient;
+        if (guide) write_guide_miss(cells_[i]);
+      }
+    }
+    report_.shade_ms += ms_since(begin);
+  }
+
+  void add_lit_point(std::size_t i, int s, bool guide) {
+    const auto ray = static_cast<int>(i);
+    const shading::Surface surface = context_.scene.surfaces().at(
+        hits_.instance[i], hits_.triangle[i], {hits_.u[i], hits_.v[i]});
+    const Vec3 direction = glm::normalize(rays_.direction(ray));
+    const ShadingRequest request{surface, -direction, uv_per_meter(i), footprint_m(i)};
+    ShadedPoint shaded = shade_point(request, context_.scene, context_.config);
+    radiance_[i] = shaded.emission;
+    if (guide) write_guide_hit(i, request, shaded.reflector.frame());
+    const std::size_t slot = lit_count_++;
+    owner_[slot] = static_cast<std::uint16_t>(i);
+    points_[slot] = {surface.position, shaded.reflector, cells_[i].key,
+                     static_cast<std::uint32_t>(s)};
+  }
+
+  float uv_per_meter(std::size_t i) const {
+    if (context_.config.mode == Mode::Exact) return 0.0F;
+    return context_.scene.surfaces().uv_per_meter(hits_.instance[i], hits_.triangle[i]);
+  }
+  /// Side of the square a sample stands for, across its ray: a tangent area A at depth z covers the
+  /// solid angle A cos^3 and, at distance z / cos, the area A z^2 cos.
+  float footprint_m(std::size_t i) const {
+    if (context_.config.mode == Mode::Exact) return 0.0F;
+    const Vec2 cell = context_.view.grid.footprint(cells_[i].x, cells_[i].y);
+    const float cosine = 1.0F / glm::length(rays_.direction(static_cast<int>(i)));
+    const float samples = static_cast<float>(context_.pattern.samples());
+    return hits_.t[i] * std::sqrt(cell.x * cell.y * cosine / samples);
+  }
+
+  void light() {
+    const auto begin = std::chrono::steady_clock::now();
+    for (std::size_t k = 0; k < lit_count_; ++k) lit_radiance_[k] = radiance_[owner_[k]];
+    context_.lighting.add({points_.data(), lit_count_}, {lit_radiance_.data(), lit_count_}, work_);
+    for (std::size_t k = 0; k < lit_count_; ++k) radiance_[owner_[k]] = lit_radiance_[k];
+    report_.shade_ms += ms_since(begin);
+  }
+
+  void accumulate() {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!math::is_finite(radiance_[i])) {
+        radiance_[i] = Rgb{0.0F};
+        ++report_.non_finite_samples;
+      }
+      Cell& cell = cells_[i];
+      cell.sum += radiance_[i];
+      const double luminance = image::luminance(radiance_[i]);
+      cell.luminance_sum += luminance;
+      cell.luminance_square_sum += luminance * luminance;
+    }
+  }
+
+  void finish() {
+    const int n = context_.pattern.samples();
+    for (std::size_t i = 0; i < count_; ++i) {
+      const Cell& cell = cells_[i];
+      out_.radiance(cell.x, cell.y) = cell.sum / static_cast<float>(n);
+      if (context_.wanted & kSamples) out_.samples(cell.x, cell.y) = static_cast<float>(n);
+      if (context_.wanted & kVariance) out_.variance(cell.x, cell.y) = variance_of_mean(cell, n);
+    }
+  }
+  /// Unknown, hence infinite, for a single sample.
+  static float variance_of_mean(const Cell& cell, int n) {
+    if (n < 2) return kInfinity;
+    const double mean = cell.luminance_sum / n;
+    const double spread = cell.luminance_square_sum / n - mean * mean;
+    return static_cast<float>(std::max(spread, 0.0) / (n - 1));
+  }
+
+  void write_guide_miss(const Cell& cell) {
+    out_.depth_m(cell.x, cell.y) = kInfinity;
+    if (context_.wanted & kSurfaceId) out_.surface_id(cell.x, cell.y) = 0;
+    if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = Vec3{0.0F};
+    if (context_.wanted & kAlbedo) out_.albedo(cell.x, cell.y) = Rgb{0.0F};
+  }
+  void write_guide_hit(std::size_t i, const ShadingRequest& request,
+                       const shading::ShadingFrame& frame) {
+    const Cell& cell = cells_[i];
+    out_.depth_m(cell.x, cell.y) = central_depth(i);
+    if (context_.wanted & kSurfaceId) out_.surface_id(cell.x, cell.y) = hits_.instance[i] + 1;
+    if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = frame.shading;
+    if (context_.wanted & kAlbedo) {
+      out_.albedo(cell.x, cell.y) = context_.scene.materials().base_color(
+          request.surface.material, request.surface.uv, request.footprint_uv());
+    }
+  }
+  /// View depth where the plane of the surface that the guide hit meets the ray through the cell's
+  /// centre: for d along the guide's ray and c along the central one, both with z = -1 in view space,
+  /// n.(t d) = n.(z c). A plane seen too edge-on to be followed that far (beyond a factor of 2 in
+  /// depth) keeps the guide's own depth.
+  float central_depth(std::size_t i) const {
+    const float t = hits_.t[i];
+    if (context_.pattern.guide_is_central()) return t;
+    const Vec3 normal = hits_.normal(static_cast<int>(i));
+    const Vec3 central =
+        context_.world_from_view * context_.view.grid.ray(cells_[i].x, cells_[i].y);
+    const float ratio = glm::dot(normal, rays_.direction(static_cast<int>(i))) /
+                        glm::dot(normal, central);
+    return ratio > 0.5F && ratio < 2.0F ? t * ratio : t;
+  }
+
+  const ViewContext& context_;
+  ViewBuffers& out_;
+  FrameReport report_;
+  LightingWork work_;
+  std::size_t count_ = 0, lit_count_ = 0;
+  std::array<Cell, kCells> cells_;
+  visibility::RayStream rays_;
+  visibility::HitStream hits_;
+  std::array<LitPoint, kCells> points_;
+  std::array<std::uint16_t, kCells> owner_;
+  std::array<Rgb, kCells> radiance_, lit_radiance_;
+};
+
+}  // namespace
+
+ViewContext::ViewContext(const View& shown, const SceneFrame& frame_scene, const Config& settings,
+                         const FrameRequest& request, unsigned planes)
+    : view(shown),
+      scene(frame_scene),
+      config(settings),
+      pattern(settings.samples_per_cell, settings.placement),
+      lighting(frame_scene, settings),
+      frame(request.frame),
+      seed(request.seed),
+      wanted(planes),
+      world_from_view(glm::mat3_cast(shown.world_from_view.rotation)),
+      eye(shown.world_from_view.position) {}
+
+FrameReport render_tile(const ViewContext& context, const image::Rect& tile, ViewBuffers& out) {
+  return TileRun(context, tile, out).run();
+}
+
+}  // namespace macula::kernels::ray

@@ -1,0 +1,47 @@
+// SceneFrame: a scene at one moment with everything kernels ask of it. Immutable, shared by all
+// sessions and threads while frames use it. World space, meters.
+#pragma once
+
+#include <memory>
+
+#include "server/lights/light_list.h"
+#include "server/scene/scene.h"
+#include "server/shading/material_table.h"
+#include "server/shading/surface.h"
+#include "server/visibility/visibility.h"
+#include "shared/base/result.h"
+#include "shared/units/time.h"
+
+namespace macula::kernels {
+
+/// A moment on the scene's own clock, one for all sessions; 0 is the scene as its file has it.
+struct SceneTime {
+  Nanoseconds since_start{0};
+};
+
+class SceneFrame {
+ public:
+  /// Builds the structures on all cores. Errors: those of visibility::TriangleScene::create.
+  static Result<std::shared_ptr<const SceneFrame>> create(std::shared_ptr<const scene::Scene> scene,
+                                                          SceneTime time = {});
+
+  const scene::Scene& scene() const { return *scene_; }
+  const visibility::TriangleScene& triangles() const { return *triangles_; }
+  const shading::SurfaceTable& surfaces() const { return surfaces_; }
+  const shading::MaterialTable& materials() const { return materials_; }
+  const lights::LightList& lights() const { return lights_; }
+  SceneTime time() const { return time_; }
+
+ private:
+  SceneFrame(std::shared_ptr<const scene::Scene> scene,
+             std::shared_ptr<const visibility::TriangleScene> triangles, SceneTime time);
+
+  std::shared_ptr<const scene::Scene> scene_;
+  std::shared_ptr<const visibility::TriangleScene> triangles_;
+  shading::SurfaceTable surfaces_;
+  shading::MaterialTable materials_;
+  lights::LightList lights_;
+  SceneTime time_;
+};
+
+}  // namespace macula::kernels

@@ -1,0 +1,131 @@
+#include "server/lights/light_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/sampling/mappings.h"
+#include "shared/base/check.h"
+
+namespace macula::lights {
+namespace {
+
+/// glTF's spot falloff: a squared ramp in the cosine between the inner and the outer cone.
+float spot_falloff(const scene::Light& light, const Vec3& to_light) {
+  const double cos_outer = std::cos(light.outer_cone.value());
+  const double cos_inner = std::cos(light.inner_cone.value());
+  const double cosine = -static_cast<double>(glm::dot(light.direction, to_light));
+  if (cosine <= cos_outer) return 0.0F;
+  if (cosine >= cos_inner) return 1.0F;
+  const double ramp = (cosine - cos_outer) / (cos_inner - cos_outer);
+  return static_cast<float>(ramp * ramp);
+}
+
+double weight(const EmissiveTriangle& light, Selection selection) {
+  switch (selection) {
+    case Selection::ByPower: return light.area_m2 * image::luminance(light.mean_emission);
+    case Selection::ByArea: return light.area_m2;
+    case Selection::Alike: return 1.0;
+  }
+  return 0.0;
+}
+
+/// Ends at exactly 1 and never falls. All weights zero (black textures): all alike.
+std::vector<float> cumulative_shares(const std::vector<EmissiveTriangle>& lights,
+                                     Selection selection) {
+  double total = 0.0;
+  for (const EmissiveTriangle& light : lights) total += weight(light, selection);
+  const bool dark = !(total > 0.0) || !std::isfinite(total);
+  std::vector<float> cumulative;
+  cumulative.reserve(lights.size());
+  double sum = 0.0;
+  for (const EmissiveTriangle& light : lights) {
+    sum += dark ? 1.0 / static_cast<double>(lights.size()) : weight(light, selection) / total;
+    cumulative.push_back(static_cast<float>(std::min(sum, 1.0)));
+  }
+  if (!cumulative.empty()) cumulative.back() = 1.0F;
+  return cumulative;
+}
+
+}  // namespace
+
+std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point) {
+  if (light.kind == scene::LightKind::Directional) {
+    return Arrival{-light.direction, std::numeric_limits<float>::infinity(), light.intensity};
+  }
+  const DVec3 towards = light.position - point;
+  const double distance2 = glm::dot(towards, towards);
+  if (!(distance2 > 0.0)) return std::nullopt;
+  const double distance = std::sqrt(distance2);
+  const Vec3 to_light(towards / distance);
+  const float falloff =
+      light.kind == scene::LightKind::Spot ? spot_falloff(light, to_light) : 1.0F;
+  if (falloff <= 0.0F) return std::nullopt;
+  return Arrival{to_light, static_cast<float>(distance),
+                 light.intensity * static_cast<float>(falloff / distance2)};
+}
+
+LightList::LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
+                     Selection selection)
+    : punctual_(scene.lights) {
+  for (scene::Index i = 0; i < scene.instances.size(); ++i) add_instance(scene, i, materials);
+  cumulative_ = cumulative_shares(emissive_, selection);
+}
+
+void LightList::add_instance(const scene::Scene& scene, scene::Index instance,
+                             const shading::MaterialTable& materials) {
+  const scene::Instance& placed = scene.instances[instance];
+  const scene::Mesh& mesh = scene.meshes[placed.mesh];
+  if (!materials.emits(mesh.material)) return;
+  const DMat3 linear(placed.world_from_object);
+  // Under a mirroring transform the vertices run the other way round the same front side.
+  const double facing = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;
+  for (scene::Index t = 0; t < mesh.triangles.size(); ++t) {
+    const UVec3 corner = mesh.triangles[t];
+    const DVec3 p0(mesh.positions[corner.x]);
+    const DVec3 e1 = linear * (DVec3(mesh.positions[corner.y]) - p0);
+    const DVec3 e2 = linear * (DVec3(mesh.positions[corner.z]) - p0);
+    const DVec3 normal = facing * glm::cross(e1, e2);
+    const double twice_area = glm::length(normal);
+    const float area = static_cast<float>(0.5 * twice_area);
+    if (!(area > 0.0F) || !std::isfinite(area)) {
+      ++degenerate_;
+      continue;
+    }
+    emissive_.push_back({linear * p0 + DVec3(placed.world_from_object[3]), Vec3(e1), Vec3(e2),
+                         Vec3(normal / twice_area), area, materials.mean_emission(mesh.material),
+                         instance, t, mesh.material});
+  }
+}
+
+AreaSample LightList::sample_area(const Vec2& u) const {
+  MACULA_DCHECK(!emissive_.empty(), "there is no emissive triangle to sample");
+  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u.x);
+  const auto light = static_cast<std::uint32_t>(found - cumulative_.begin());
+  const float before = light == 0 ? 0.0F : cumulative_[light - 1];
+  const float share = cumulative_[light] - before;
+  // The rest of u.x inside its interval is uniform again and chooses along the triangle.
+  const float rest = share > 0.0F ? std::clamp((u.x - before) / share, 0.0F, 1.0F) : 0.5F;
+  const Vec2 barycentric = sampling::uniform_triangle({rest, u.y});
+  const EmissiveTriangle& triangle = emissive_[light];
+  const DVec3 position = triangle.position +
+                         static_cast<double>(barycentric.x) * DVec3(triangle.edge1) +
+                         static_cast<double>(barycentric.y) * DVec3(triangle.edge2);
+  return {position, barycentric, pdf_per_m2(light), light};
+}
+
+float LightList::pdf_per_m2(std::uint32_t light) const {
+  const float before = light == 0 ? 0.0F : cumulative_[light - 1];
+  return (cumulative_[light] - before) / emissive_[light].area_m2;
+}
+
+Rgb LightList::emission(std::uint32_t light, const Vec2& barycentric,
+                        const shading::SurfaceTable& surfaces,
+                        const shading::MaterialTable& materials) const {
+  const EmissiveTriangle& triangle = emissive_[light];
+  if (!materials.textured(triangle.material)) return triangle.mean_emission;
+  const shading::Surface surface = surfaces.at(triangle.instance, triangle.triangle, barycentric);
+  return materials.emission(triangle.material, surface.uv, 0.0F);
+}
+
+}  // namespace macula::lights

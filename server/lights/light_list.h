@@ -1,0 +1,75 @@
+// LightList: every light of a scene, ready to be asked. Punctual lights follow glTF (KHR_lights_punctual)
+// and answer with the light that arrives at a point; emissive triangles are one-sided area lights and
+// answer with points on them, drawn with an exactly known density. World space, meters, linear
+// Rec.709. Immutable; safe from any thread; holds copies, not the scene. Visibility is the caller's.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/scene/scene.h"
+#include "server/shading/material_table.h"
+#include "server/shading/surface.h"
+
+namespace macula::lights {
+
+/// Light arriving from a punctual light, were nothing in the way.
+struct Arrival {
+  Vec3 to_light{0.0F};     ///< unit, from the point towards the light
+  float distance_m = 0.0F; ///< +infinity for a directional light
+  Rgb irradiance{0.0F};    ///< W/m^2 on a surface that faces the light
+};
+/// nullopt where nothing arrives: outside a spot's cone, or exactly at the light (d = 0, where the
+/// inverse square law has no value; a sample there is dropped).
+std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point);
+
+struct EmissiveTriangle {
+  DVec3 position{0.0};              ///< first vertex
+  Vec3 edge1{0.0F}, edge2{0.0F};    ///< to the second and third
+  Vec3 normal{0.0F};                ///< unit, the side it shines to
+  float area_m2 = 0.0F;             ///< > 0: degenerate triangles are left out
+  Rgb mean_emission{0.0F};          ///< radiance, W/(sr m^2), averaged over the texture
+  scene::Index instance = 0, triangle = 0, material = 0;
+};
+
+/// How often an emissive triangle is drawn: in proportion to its power, to its area, or all alike.
+enum class Selection { ByPower, ByArea, Alike };
+
+struct AreaSample {
+  DVec3 position{0.0};
+  Vec2 barycentric{0.0F};   ///< as in shading::SurfaceTable::at
+  float pdf_per_m2 = 0.0F;  ///< density over the area of all emissive triangles, > 0
+  std::uint32_t light = 0;  ///< index into emissive()
+};
+
+class LightList {
+ public:
+  LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
+            Selection selection = Selection::ByPower);
+
+  std::span<const scene::Light> punctual() const { return punctual_; }
+  std::span<const EmissiveTriangle> emissive() const { return emissive_; }
+  /// Left out because their area is zero or not finite.
+  std::size_t degenerate_count() const { return degenerate_; }
+
+  /// A point on some emissive triangle for u in [0, 1)^2; stratified u give stratified points. Only
+  /// for a list with emissive triangles.
+  AreaSample sample_area(const Vec2& u) const;
+  /// Density of sample_area at any point of triangle `light`, per m^2.
+  float pdf_per_m2(std::uint32_t light) const;
+  /// Radiance of triangle `light` at a barycentric point, unfiltered texture.
+  Rgb emission(std::uint32_t light, const Vec2& barycentric, const shading::SurfaceTable& surfaces,
+               const shading::MaterialTable& materials) const;
+
+ private:
+  void add_instance(const scene::Scene& scene, scene::Index instance,
+                    const shading::MaterialTable& materials);
+
+  std::vector<scene::Light> punctual_;
+  std::vector<EmissiveTriangle> emissive_;
+  std::vector<float> cumulative_;  ///< cumulative_[i]: chance of a triangle <= i; last = 1
+  std::size_t degenerate_ = 0;
+};
+
+}  // namespace macula::lights
