@@ -1,0 +1,32 @@
+// What the person at the desktop did since the last look: plain values, no window library. Places
+// are normalised to a picture: (0, 0) its top left corner, (1, 1) its bottom right one.
+#pragma once
+
+#include <optional>
+
+namespace macula::display {
+
+struct PicturePoint {
+  float u = 0.0F, v = 0.0F;
+};
+
+/// A place in one of the pictures shown; 0 is the leftmost.
+struct PictureTarget {
+  int picture = 0;
+  PicturePoint at;
+};
+
+struct Input {
+  /// The gaze: the picture under the cursor and where. nullopt: over no picture. While frozen it
+  /// stays where it was.
+  std::optional<PictureTarget> gaze;
+  bool gaze_frozen = false;
+  /// Movement with the right button held since the last poll, in widths and heights of the picture;
+  /// to the right and down.
+  PicturePoint drag;
+  /// Keys held now, each -1, 0 or 1: A D, Q E, S W.
+  int right = 0, up = 0, forward = 0;
+  bool reset = false;  ///< R was pressed since the last poll
+};
+
+}  // namespace macula::display

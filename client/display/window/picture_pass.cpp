@@ -1,0 +1,177 @@
+#include "client/display/window/picture_pass.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "shared/base/check.h"
+
+namespace macula::display {
+namespace {
+
+constexpr const char* kVertexShader = R"(#version 330 core
+// Two triangles that cover the viewport; v runs down, as pictures do.
+out vec2 uv;
+void main() {
+  vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+  uv = vec2(corner.x, 1.0 - corner.y);
+  gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
+}
+)";
+
+constexpr const char* kFragmentShader = R"(#version 330 core
+uniform sampler2D picture;
+uniform vec2 size_px;   // of the rectangle drawn into
+uniform vec2 ring_px;   // the gaze, from the rectangle's top left
+uniform bool ring_on;
+in vec2 uv;
+out vec4 color;
+void main() {
+  color = vec4(texture(picture, uv).rgb, 1.0);
+  if (!ring_on) return;
+  float off = abs(distance(uv * size_px, ring_px) - 14.0);
+  if (off < 2.5) color.rgb = off < 1.25 ? vec3(1.0) : vec3(0.0);
+}
+)";
+
+tl::unexpected<Error> gl_error(std::string what) {
+  return base::runtime_error(std::move(what), "window",
+                             "OpenGL 3.3 is needed; without it use --display headless");
+}
+
+Result<GLuint> compile(GLenum stage, const char* source) {
+  const GLuint shader = glCreateShader(stage);
+  glShaderSource(shader, 1, &source, nullptr);
+  glCompileShader(shader);
+  GLint compiled = GL_FALSE;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+  if (compiled == GL_TRUE) return shader;
+  std::array<char, 512> log{};
+  glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  glDeleteShader(shader);
+  return gl_error(std::string("the driver refuses a shader: ") + log.data());
+}
+
+Result<GLuint> link(GLuint vertex, GLuint fragment) {
+  const GLuint program = glCreateProgram();
+  glAttachShader(program, vertex);
+  glAttachShader(program, fragment);
+  glLinkProgram(program);
+  GLint linked = GL_FALSE;
+  glGetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (linked == GL_TRUE) return program;
+  std::array<char, 512> log{};
+  glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  glDeleteProgram(program);
+  return gl_error(std::string("the driver refuses the program: ") + log.data());
+}
+
+Result<GLuint> build_program() {
+  const auto vertex = compile(GL_VERTEX_SHADER, kVertexShader);
+  if (!vertex) return vertex;
+  const auto fragment = compile(GL_FRAGMENT_SHADER, kFragmentShader);
+  if (!fragment) {
+    glDeleteShader(*vertex);
+    return fragment;
+  }
+  auto program = link(*vertex, *fragment);
+  glDeleteShader(*vertex);  // the program keeps what it needs
+  glDeleteShader(*fragment);
+  return program;
+}
+
+GLuint make_texture() {
+  GLuint name = 0;
+  glGenTextures(1, &name);
+  glBindTexture(GL_TEXTURE_2D, name);
+  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
+  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
+  return name;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PicturePass>> PicturePass::create() {
+  if (epoxy_gl_version() < 33) return gl_error("the context is older than OpenGL 3.3");
+  const auto program = build_program();
+  if (!program) return base::forward(program);
+  GLuint vertices = 0;
+  glGenVertexArrays(1, &vertices);
+  return std::unique_ptr<PicturePass>(new PicturePass(*program, vertices));
+}
+
+PicturePass::PicturePass(unsigned program, unsigned vertices)
+    : program_(program),
+      vertices_(vertices),
+      uniforms_{glGetUniformLocation(program, "picture"), glGetUniformLocation(program, "size_px"),
+                glGetUniformLocation(program, "ring_px"),
+                glGetUniformLocation(program, "ring_on")} {}
+
+PicturePass::~PicturePass() {
+  for (const auto& texture : textures_) glDeleteTextures(1, &texture.name);
+  glDeleteVertexArrays(1, &vertices_);
+  glDeleteProgram(program_);
+}
+
+void PicturePass::upload(std::span<const image::Plane<Rgb8>* const> pictures) {
+  while (textures_.size() < pictures.size()) textures_.push_back({make_texture(), {}});
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  for (std::size_t i = 0; i < pictures.size(); ++i) upload(*pictures[i], textures_[i]);
+}
+
+void PicturePass::upload(const image::Plane<Rgb8>& picture, Texture& texture) {
+  if (picture.empty()) return;
+  glBindTexture(GL_TEXTURE_2D, texture.name);
+  if (texture.size.width_px == picture.width() && texture.size.height_px == picture.height()) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, picture.width(), picture.height(), GL_RGB,
+                    GL_UNSIGNED_BYTE, picture.data());
+    return;
+  }
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+  MACULA_CHECK(std::max(picture.width(), picture.height()) <= largest,
+               "a display picture is larger than any texture");
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, picture.width(), picture.height(), 0, GL_RGB,
+               GL_UNSIGNED_BYTE, picture.data());
+  texture.size = {picture.width(), picture.height()};
+}
+
+void PicturePass::draw(PictureSize framebuffer, std::span<const image::Rect> places,
+                       std::span<const std::optional<PicturePoint>> rings) {
+  MACULA_CHECK(places.size() <= textures_.size(), "a place without a picture");
+  glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
+  glClear(GL_COLOR_BUFFER_BIT);
+  glUseProgram(program_);
+  glBindVertexArray(vertices_);
+  glActiveTexture(GL_TEXTURE0);
+  glUniform1i(uniforms_.picture, 0);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto& place = places[i];
+    if (place.width <= 0 || place.height <= 0) continue;
+    const auto width = static_cast<float>(place.width), height = static_cast<float>(place.height);
+    const auto ring = i < rings.size() ? rings[i] : std::nullopt;
+    glUniform2f(uniforms_.size_px, width, height);
+    glUniform1i(uniforms_.ring_on, ring ? 1 : 0);
+    if (ring) glUniform2f(uniforms_.ring_px, ring->u * width, ring->v * height);
+    glBindTexture(GL_TEXTURE_2D, textures_[i].name);
+    glViewport(place.x, framebuffer.height_px - place.y - place.height, place.width, place.height);
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  }
+}
+
+image::Plane<Rgb8> PicturePass::read_back(PictureSize framebuffer) {
+  image::Plane<Rgb8> picture(framebuffer.width_px, framebuffer.height_px);
+  if (picture.empty()) return picture;
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadBuffer(GL_BACK);
+  glReadPixels(0, 0, picture.width(), picture.height(), GL_RGB, GL_UNSIGNED_BYTE, picture.data());
+  for (int top = 0, bottom = picture.height() - 1; top < bottom; ++top, --bottom)
+    std::swap_ranges(picture.row(top).begin(), picture.row(top).end(), picture.row(bottom).begin());
+  return picture;
+}
+
+}  // namespace macula::display

@@ -1,0 +1,52 @@
+// The GL 3.3 pass that puts display-encoded pictures into rectangles of the framebuffer, texel
+// values unchanged where sizes agree, with an optional ring at the gaze. Every call needs the
+// context it was created in to be current. Internal to this room.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "client/display/window/input.h"
+#include "client/display/window/layout.h"
+#include "shared/base/result.h"
+#include "shared/image/color.h"
+#include "shared/image/plane.h"
+
+namespace macula::display {
+
+class PicturePass {
+ public:
+  static Result<std::unique_ptr<PicturePass>> create();
+  ~PicturePass();
+  PicturePass(const PicturePass&) = delete;
+  PicturePass& operator=(const PicturePass&) = delete;
+
+  /// Copies the pictures to the GPU. They stay until the next upload.
+  void upload(std::span<const image::Plane<Rgb8>* const> pictures);
+  /// Clears the framebuffer to black and draws picture i into places[i]. `rings` gives the gaze in
+  /// picture i; it may be shorter than `places`.
+  void draw(PictureSize framebuffer, std::span<const image::Rect> places,
+            std::span<const std::optional<PicturePoint>> rings);
+  /// What was drawn, top row first.
+  static image::Plane<Rgb8> read_back(PictureSize framebuffer);
+
+ private:
+  struct Texture {
+    unsigned name = 0;
+    PictureSize size;
+  };
+  struct Uniforms {
+    int picture = -1, size_px = -1, ring_px = -1, ring_on = -1;
+  };
+  PicturePass(unsigned program, unsigned vertices);
+  void upload(const image::Plane<Rgb8>& picture, Texture& texture);
+
+  unsigned program_ = 0;
+  unsigned vertices_ = 0;  ///< an empty vertex array: core profiles draw nothing without one
+  Uniforms uniforms_;
+  std::vector<Texture> textures_;
+};
+
+}  // namespace macula::display

@@ -1,0 +1,57 @@
+// Window: a desktop window that shows the warped pictures of one or two eyes side by side, and
+// tells what the person did. Pictures are display-encoded and shown as they are. Belongs to the
+// thread that created it (the main thread, where the platform insists); one Window at a time.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "client/display/window/input.h"
+#include "shared/base/result.h"
+#include "shared/image/color.h"
+#include "shared/image/plane.h"
+
+namespace macula::display {
+
+enum class Vsync { On, Off };
+
+struct WindowOptions {
+  std::string title = "Macula";
+  int width_px = 1280, height_px = 720;  ///< of its inside, in screen units
+  Vsync vsync = Vsync::On;
+};
+
+/// Drawn over the pictures.
+struct Overlay {
+  std::array<std::optional<PicturePoint>, 2> gaze;  ///< a ring at the gaze, per eye
+};
+
+class Window {
+ public:
+  /// An Error where there is no display or no OpenGL 3.3; it says to use --display headless.
+  static Result<std::unique_ptr<Window>> create(const WindowOptions& options);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// One or two pictures, left eye first; letterboxed, aspect kept. Returns after the swap, which
+  /// with vsync waits for the display. The pictures may be released afterwards.
+  void show(std::span<const image::Plane<Rgb8>* const> eyes, const Overlay& overlay = {});
+  /// Lets the window system have its say and returns what happened since the last call. H prints
+  /// the keys on stdout, F freezes the gaze, R asks for a reset, Esc closes.
+  Input poll();
+  bool should_close() const;
+  /// What show() last drew, the whole inside of the window, top row first.
+  image::Plane<Rgb8> capture();
+
+ private:
+  struct Parts;
+  explicit Window(std::unique_ptr<Parts> parts);
+
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace macula::display
