@@ -7,6 +7,9 @@
 #include <sstream>
 
 #include "server/scene/built_in/scenes.h"
+#include "server/scene/gltf/import.h"
+#include "server/scene/settle.h"
+#include "server/scene/side_file.h"
 #include "shared/base/text.h"
 
 namespace macula::scene {
@@ -28,6 +31,30 @@ std::string names_of_built_in_scenes() {
   return names;
 }
 
+/// Coordinates far beyond this lose millimeters in float.
+constexpr double kFarthest = 1e7;  // m
+
+bool names_a_gltf_file(const std::string& path) {
+  const std::string suffix = std::filesystem::path(path).extension().string();
+  return suffix == ".gltf" || suffix == ".glb";
+}
+
+Result<std::shared_ptr<const Scene>> load_file(const std::string& path) {
+  Result<Scene> scene = gltf::import_file(path);
+  if (!scene) return forward(scene);
+  const Result<SideFile> side = read_side_file(side_file_of(path));
+  if (!side) return forward(side);
+  settle(*scene, *side);
+  const Bounds bounds = scene->bounds();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(bounds.minimum[axis] > -kFarthest && bounds.maximum[axis] < kFarthest)) {
+      return base::bad_input("the scene reaches farther than 10,000 km", path,
+                             "set meters_per_unit in " + side_file_of(path).filename().string());
+    }
+  }
+  return std::make_shared<const Scene>(std::move(*scene));
+}
+
 }  // namespace
 
 std::span<const BuiltIn> built_in_scenes() {
@@ -38,6 +65,7 @@ Result<std::shared_ptr<const Scene>> load_scene(const std::string& name_or_path)
   for (const BuiltIn& entry : kBuiltIn) {
     if (entry.name == name_or_path) return std::make_shared<const Scene>(entry.make(kSeed));
   }
+  if (names_a_gltf_file(name_or_path)) return load_file(name_or_path);
   return base::bad_input("no such scene", name_or_path,
                          "a file ending in .gltf or .glb, or one of " + names_of_built_in_scenes());
 }

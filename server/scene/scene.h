@@ -1,6 +1,7 @@
 // Scene: what a file or a built-in generator says, validated, in meters, before any acceleration
-// structure. Immutable once made. Indices between the tables are always in range (import checks them).
-// Conventions (Y up, right-handed, counter-clockwise front faces) as in shared/math/frames.h.
+// structure. Immutable once made. Indices between the tables are always in range (import checks
+// them). Conventions (Y up, right-handed, counter-clockwise front faces) as in
+// shared/math/frames.h.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +31,8 @@ struct TextureRef {
   Index image = 0;
   ColorSpace space = ColorSpace::Srgb;
   Wrap wrap_u = Wrap::Repeat, wrap_v = Wrap::Repeat;
-  Vec2 uv_offset{0.0F}, uv_scale{1.0F};  ///< KHR_texture_transform: uv' = offset + R(rotation) scale uv
+  Vec2 uv_offset{0.0F},
+      uv_scale{1.0F};  ///< KHR_texture_transform: uv' = offset + R(rotation) scale uv
   float uv_rotation_rad = 0.0F;
 };
 
@@ -39,15 +41,15 @@ enum class AlphaMode { Opaque, Mask, Blend };
 /// glTF metallic-roughness. Factors multiply their textures.
 struct Material {
   std::string name;
-  Rgb base_color{1.0F};                       ///< linear reflectance, [0, 1]
+  Rgb base_color{1.0F};  ///< linear reflectance, [0, 1]
   float alpha = 1.0F;
-  std::optional<TextureRef> base_color_texture;  ///< alpha in its fourth channel
-  float metallic = 0.0F;                      ///< [0, 1]
-  float roughness = 1.0F;                     ///< perceptual, alpha = roughness^2
+  std::optional<TextureRef> base_color_texture;          ///< alpha in its fourth channel
+  float metallic = 0.0F;                                 ///< [0, 1]
+  float roughness = 1.0F;                                ///< perceptual, alpha = roughness^2
   std::optional<TextureRef> metallic_roughness_texture;  ///< G roughness, B metallic, linear
-  float specular = 1.0F;                      ///< KHR_materials_specular; 0 = pure Lambert
+  float specular = 1.0F;  ///< KHR_materials_specular; 0 = pure Lambert
   Rgb specular_color{1.0F};
-  Rgb emission{0.0F};                         ///< radiance in W/(sr m^2), front face only
+  Rgb emission{0.0F};  ///< radiance in W/(sr m^2), front face only
   std::optional<TextureRef> emission_texture;
   AlphaMode alpha_mode = AlphaMode::Opaque;
   float alpha_cutoff = 0.5F;
@@ -59,24 +61,24 @@ struct Material {
 /// One primitive: triangles that share a material.
 struct Mesh {
   std::string name;
-  std::vector<Vec3> positions;    ///< meters, object space
-  std::vector<Vec3> normals;      ///< unit, as many as positions, or empty: flat shading
-  std::vector<Vec2> texcoords;    ///< as many as positions, or empty
-  std::vector<UVec3> triangles;   ///< indices into positions, counter-clockwise seen from the front
+  std::vector<Vec3> positions;   ///< meters, object space
+  std::vector<Vec3> normals;     ///< unit, as many as positions, or empty: flat shading
+  std::vector<Vec2> texcoords;   ///< as many as positions, or empty
+  std::vector<UVec3> triangles;  ///< indices into positions, counter-clockwise seen from the front
   Index material = 0;
 };
 
 struct Instance {
   Index mesh = 0;
-  DMat4 world_from_object{1.0};  ///< affine
+  DMat4 world_from_object{1.0};  ///< affine, invertible, never mirrors: fronts stay fronts
 };
 
 enum class LightKind { Point, Spot, Directional };
 struct Light {
   LightKind kind = LightKind::Point;
-  Rgb intensity{1.0F};                 ///< W/sr for Point and Spot; irradiance W/m^2 for Directional
-  DVec3 position{0.0};                 ///< world meters; unused for Directional
-  Vec3 direction{0.0F, -1.0F, 0.0F};   ///< unit, the way the light travels; unused for Point
+  Rgb intensity{1.0F};                ///< W/sr for Point and Spot; irradiance W/m^2 for Directional
+  DVec3 position{0.0};                ///< world meters; unused for Directional
+  Vec3 direction{0.0F, -1.0F, 0.0F};  ///< unit, the way the light travels; unused for Point
   Radians inner_cone{0.0}, outer_cone{Degrees{45.0}};  ///< Spot half-angles, glTF falloff
 };
 
@@ -89,10 +91,11 @@ struct Camera {
 /// What the side file says, or what was guessed (`guesses` has a sentence for each guess).
 struct Settings {
   double meters_per_unit = 1.0;
-  Pose scene_from_stage;             ///< where the viewer's stage stands, already in meters
+  Pose scene_from_stage;  ///< where the viewer's stage stands, already in meters
   image::Tone tone;
-  Rgb ambient{0.0F};                 ///< radiance of a constant environment, seen by ambient occlusion
-  double ambient_distance_m = std::numeric_limits<double>::infinity();  ///< occluders beyond do not count
+  Rgb ambient{0.0F};  ///< radiance of a constant environment, seen by ambient occlusion
+  double ambient_distance_m =
+      std::numeric_limits<double>::infinity();  ///< occluders beyond do not count
   std::vector<std::string> guesses;
 };
 

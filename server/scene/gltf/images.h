@@ -1,0 +1,30 @@
+// Decodes the images that materials use, each once, PNG and JPEG, within limits on side and sum.
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "server/scene/gltf/document.h"
+#include "server/scene/scene.h"
+
+namespace macula::scene::gltf {
+
+inline constexpr int kMaxImageSide = 8192;
+inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 29;  ///< over a scene
+
+class ImageImporter {
+ public:
+  /// Appends to scene.images. Both must outlive the importer.
+  ImageImporter(const Document& document, Scene& scene) : document_(document), scene_(scene) {}
+
+  /// The scene's index of a glTF image.
+  Result<Index> require(int image);
+
+ private:
+  const Document& document_;
+  Scene& scene_;
+  std::map<int, Index> imported_;
+  std::uint64_t pixels_ = 0;
+};
+
+}  // namespace macula::scene::gltf

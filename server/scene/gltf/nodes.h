@@ -1,0 +1,17 @@
+// The node tree -> instances, cameras and lights, in the file's own units. Iterative: a chain of
+// any length costs no stack; every node may be reached once only, so cycles end in an error.
+#pragma once
+
+#include "server/scene/gltf/document.h"
+#include "server/scene/gltf/meshes.h"
+#include "server/scene/gltf/warnings.h"
+#include "server/scene/scene.h"
+
+namespace macula::scene::gltf {
+
+inline constexpr std::size_t kMaxNodeDepth = 1024;
+
+Result<void> import_nodes(const Document& document, MeshImporter& meshes, Scene& scene,
+                          Warnings& warnings);
+
+}  // namespace macula::scene::gltf

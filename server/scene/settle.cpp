@@ -1,0 +1,216 @@
+#include "server/scene/settle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <iomanip>
+#include <numbers>
+#include <sstream>
+
+namespace macula::scene {
+namespace {
+
+constexpr double kEyeHeight = 1.6;  // m
+
+template <class... Parts>
+void note_guess(Scene& scene, const Parts&... parts) {
+  std::ostringstream text;
+  text << std::setprecision(3);
+  (text << ... << parts);
+  scene.settings.guesses.push_back(std::move(text).str());
+}
+
+/// Lights keep the irradiance they gave in the file's units: intensity goes with length squared.
+void scale_to_meters(Scene& scene, double meters_per_unit) {
+  scene.settings.meters_per_unit = meters_per_unit;
+  const DMat4 scale = glm::scale(DMat4{1.0}, DVec3{meters_per_unit});
+  for (Instance& instance : scene.instances)
+    instance.world_from_object = scale * instance.world_from_object;
+  for (Camera& camera : scene.cameras) camera.world_from_view.position *= meters_per_unit;
+  for (Light& light : scene.lights) {
+    light.position *= meters_per_unit;
+    if (light.kind != LightKind::Directional) {
+      light.intensity *= static_cast<float>(meters_per_unit * meters_per_unit);
+    }
+  }
+}
+
+/// Calls visit(instance, a, b, c) with every triangle's world corners.
+template <class Visit>
+void for_each_triangle(const Scene& scene, const Visit& visit) {
+  for (const Instance& instance : scene.instances) {
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    std::vector<DVec3> corners(mesh.positions.size());
+    std::transform(
+        mesh.positions.begin(), mesh.positions.end(), corners.begin(),
+        [&](const Vec3& p) { return DVec3(instance.world_from_object * DVec4(DVec3(p), 1.0)); });
+    for (const UVec3& t : mesh.triangles) visit(mesh, corners[t.x], corners[t.y], corners[t.z]);
+  }
+}
+
+/// Heights at which the vertical line through (x, z) meets the scene, ascending.
+std::vector<double> heights_at(const Scene& scene, double x, double z) {
+  std::vector<double> heights;
+  const auto side = [x, z](const DVec3& a, const DVec3& b) {
+    return (b.x - a.x) * (z - a.z) - (b.z - a.z) * (x - a.x);
+  };
+  for_each_triangle(scene, [&](const Mesh&, const DVec3& a, const DVec3& b, const DVec3& c) {
+    const double wa = side(b, c), wb = side(c, a), wc = side(a, b), sum = wa + wb + wc;
+    const bool inside = (wa >= 0 && wb >= 0 && wc >= 0) || (wa <= 0 && wb <= 0 && wc <= 0);
+    if (inside && sum != 0.0) heights.push_back((wa * a.y + wb * b.y + wc * c.y) / sum);
+  });
+  std::sort(heights.begin(), heights.end());
+  return heights;
+}
+
+/// The lowest surface with room for a person above it.
+double floor_among(const std::vector<double>& heights, double otherwise) {
+  constexpr double kHeadroom = 2.0;  // m
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    if (i + 1 == heights.size() || heights[i + 1] - heights[i] >= kHeadroom) return heights[i];
+  }
+  return otherwise;
+}
+
+Pose upright(const DVec3& position, double yaw_rad) {
+  return {position, glm::angleAxis(yaw_rad, DVec3{0.0, 1.0, 0.0})};
+}
+
+void guess_stage_from_camera(Scene& scene) {
+  const Camera& camera = scene.cameras.front();
+  const DVec3 forward = camera.world_from_view.transform_direction({0.0, 0.0, -1.0});
+  const DVec3& eye = camera.world_from_view.position;
+  scene.settings.scene_from_stage =
+      upright({eye.x, eye.y - kEyeHeight, eye.z}, std::atan2(-forward.x, -forward.z));
+  note_guess(scene, "the viewer's eyes are at the camera '", camera.name, "'");
+}
+
+void guess_stage_from_shape(Scene& scene, const Bounds& bounds) {
+  const DVec3 centre = bounds.centre(), size = bounds.size();
+  const double floor = floor_among(heights_at(scene, centre.x, centre.z), bounds.minimum.y);
+  const bool along_x = size.x > size.z;
+  scene.settings.scene_from_stage =
+      upright({centre.x, floor, centre.z}, along_x ? -std::numbers::pi / 2.0 : 0.0);
+  note_guess(scene, "the viewer stands in the middle, floor at y = ", floor, " m, looking along ",
+             along_x ? "+x" : "-z");
+}
+
+/// Nothing overhead at the viewer's place: light can come from the sky.
+bool open_to_the_sky(const Scene& scene) {
+  const DVec3& stage = scene.settings.scene_from_stage.position;
+  const std::vector<double> heights = heights_at(scene, stage.x, stage.z);
+  return heights.empty() || heights.back() < stage.y + kEyeHeight;
+}
+
+bool is_lit(const Scene& scene) {
+  return !scene.lights.empty() || scene.emissive_triangle_count() > 0 ||
+         image::luminance(scene.settings.ambient) > 0.0F;
+}
+
+void give_default_light(Scene& scene) {
+  Settings& settings = scene.settings;
+  settings.ambient = Rgb{0.45F, 0.50F, 0.58F};
+  settings.ambient_distance_m = 4.0;
+  if (open_to_the_sky(scene)) {
+    const Vec3 direction = normalize(Vec3{0.25F, -1.0F, 0.35F});
+    scene.lights.push_back({.kind = LightKind::Directional,
+                            .intensity = Rgb{5.0F, 4.6F, 4.0F},
+                            .direction = direction});
+    note_guess(scene, "the file has no light: a sun and a sky are assumed");
+  } else {
+    const DVec3 lamp = settings.scene_from_stage.position + DVec3{0.0, 2.2, 0.0};
+    scene.lights.push_back(
+        {.kind = LightKind::Point, .intensity = Rgb{6.0F, 5.6F, 5.0F}, .position = lamp});
+    note_guess(scene,
+               "the file has no light: a lamp over the viewer and ambient light are assumed");
+  }
+}
+
+/// Radiant power over pi: emitting triangles as Lambertian sources, point lights over the sphere.
+double emitted_flux_over_pi(const Scene& scene) {
+  double flux = 0.0;
+  for_each_triangle(scene, [&](const Mesh& mesh, const DVec3& a, const DVec3& b, const DVec3& c) {
+    const Material& material = scene.materials[mesh.material];
+    if (!material.emits()) return;
+    flux += image::luminance(material.emission) * 0.5 * glm::length(cross(b - a, c - a));
+  });
+  for (const Light& light : scene.lights) {
+    if (light.kind != LightKind::Directional) flux += 4.0 * image::luminance(light.intensity);
+  }
+  return flux;
+}
+
+/// Puts the expected mean radiance at middle grey: flux spread evenly over the walls of the scene's
+/// box, half of it reflected. Direct lighting of cornell_box comes out within a third of a stop.
+void guess_exposure(Scene& scene, const Bounds& bounds) {
+  constexpr double kMiddleGrey = 0.18, kReflectance = 0.5;
+  const DVec3 size = bounds.size();
+  const double walls = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+  double radiance = kReflectance * image::luminance(scene.settings.ambient);
+  if (walls > 0.0) radiance += kReflectance * emitted_flux_over_pi(scene) / walls;
+  for (const Light& light : scene.lights) {
+    if (light.kind != LightKind::Directional) continue;
+    // A sun reaches about a fifth of what is seen.
+    radiance += 0.2 * kReflectance * image::luminance(light.intensity) / std::numbers::pi;
+  }
+  const double ev =
+      radiance > 0.0 ? std::clamp(std::log2(kMiddleGrey / radiance), -12.0, 12.0) : 0.0;
+  // Tenths of a stop, so that the printed value can be copied into a side file.
+  scene.settings.tone.exposure_ev = static_cast<float>(std::round(10.0 * ev) / 10.0);
+  note_guess(scene, "exposure_ev = ", scene.settings.tone.exposure_ev);
+}
+
+void settle_unit(Scene& scene, const SideFile& side) {
+  if (side.meters_per_unit) return scale_to_meters(scene, *side.meters_per_unit);
+  const DVec3 size = scene.bounds().size();
+  const double extent = std::max({size.x, size.y, size.z});
+  const double guess = guess_meters_per_unit(extent);
+  scale_to_meters(scene, guess);
+  if (guess != 1.0)
+    note_guess(scene, "meters_per_unit = ", guess, ", as the scene is ", extent, " units long");
+}
+
+void settle_stage(Scene& scene, const SideFile& side, const Bounds& bounds) {
+  if (side.scene_from_stage) {
+    scene.settings.scene_from_stage = *side.scene_from_stage;
+  } else if (!scene.cameras.empty()) {
+    guess_stage_from_camera(scene);
+  } else {
+    guess_stage_from_shape(scene, bounds);
+  }
+}
+
+void settle_light(Scene& scene, const SideFile& side) {
+  scene.lights.insert(scene.lights.end(), side.lights.begin(), side.lights.end());
+  if (side.ambient) scene.settings.ambient = *side.ambient;
+  if (!is_lit(scene)) give_default_light(scene);
+  if (side.ambient_distance_m) scene.settings.ambient_distance_m = *side.ambient_distance_m;
+}
+
+void settle_tone(Scene& scene, const SideFile& side, const Bounds& bounds) {
+  scene.settings.tone.curve = side.tone_curve.value_or(image::ToneCurve::Filmic);
+  if (side.exposure_ev) {
+    scene.settings.tone.exposure_ev = *side.exposure_ev;
+  } else {
+    guess_exposure(scene, bounds);
+  }
+}
+
+}  // namespace
+
+double guess_meters_per_unit(double extent) {
+  if (extent > 50'000.0) return 1e-3;
+  if (extent > 500.0) return 1e-2;
+  return 1.0;
+}
+
+void settle(Scene& scene, const SideFile& side) {
+  settle_unit(scene, side);
+  const Bounds bounds = scene.bounds();
+  settle_stage(scene, side, bounds);
+  settle_light(scene, side);
+  settle_tone(scene, side, bounds);
+}
+
+}  // namespace macula::scene
