@@ -1,7 +1,9 @@
 // The warp: the newest frame, rendered at one pose on its own grid, seen from the display pose now.
-// Forward mesh: the grid's cells are the mesh; quads are cut at silhouettes by the actual camera
-// offset; what stays open is filled from the farther side and flagged. Pure maths on the CPU: knows no
-// GL and no OpenXR. Frames and tangents: shared/math/frames.h.
+// Forward mesh: the grid's cell centres are the vertices; quads are cut at silhouettes by the
+// actual camera offset; what stays open is filled from the farther side and flagged. Pure maths on
+// the CPU, on the caller's thread (one eye a thread is safe): knows no GL and no OpenXR. Frames and
+// tangents: shared/math/frames.h. Method: Mark, McMillan, Bishop, "Post-Rendering 3D Warping"
+// (1997).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +15,9 @@
 
 namespace macula::reprojection {
 
-/// One eye of a decoded frame. Colour is display-encoded; depth is inverse, 0 = nothing there.
+/// One eye of a decoded frame; both planes have the grid's size. Colour is display-encoded; depth
+/// is inverse, 0 = nothing there (a point at infinity, which only turns); NaN, infinite and
+/// negative values are taken as 0, surfaces nearer than 1 mm as 1 mm away.
 struct SourceView {
   Pose stage_from_view;
   const PixelGrid& grid;
@@ -22,14 +26,17 @@ struct SourceView {
 };
 
 struct WarpOptions {
+  /// RotationOnly ignores the camera's offset, Stale its turn as well: what to compare Mesh with.
   enum class Method { Mesh, RotationOnly, Stale };
   Method method = Method::Mesh;
-  /// Cut a quad when its corners drift apart by more than this many display pixels.
+  /// Cut the mesh between two cells when their parallax differs by more than this many display
+  /// pixels and they do not lie on one plane.
   float cut_px = 0.75F;
   enum class Holes { FillFartherSide, LeaveBlack };
   Holes holes = Holes::FillFartherSide;
 };
 
+/// Pixels of the display by where their colour comes from.
 struct WarpReport {
   std::uint64_t covered_px = 0, filled_px = 0, outside_px = 0;
   double filled_share() const {
@@ -38,9 +45,14 @@ struct WarpReport {
   }
 };
 
+/// Covered: seen in the frame. Filled: hidden in the frame, uncovered by the camera's offset;
+/// guessed from the farther side, or black under LeaveBlack. Outside: beyond the frame's edge;
+/// black.
 enum class Coverage : std::uint8_t { Outside, Covered, Filled };
 
-/// `out` has the display's size; `coverage` may be null. Filtering is linear in display-encoded values.
+/// `out` (and `coverage` unless null) get the display's size. Colours are interpolated bilinearly
+/// between cell centres in display-encoded values; a display pixel that falls on a cell's centre
+/// gets that cell's colour to the bit. Geometry nearer than 1 cm to the display eye is left out.
 WarpReport warp(const SourceView& source, const Pose& stage_from_display,
                 const foveation::Display& display, const WarpOptions& options,
                 image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage = nullptr);

@@ -1,0 +1,37 @@
+// Where the mesh must not stretch: between a silhouette and what it hides. Internal to this room.
+// Two neighbouring cells hang together if the camera's offset moves them apart by less than cut_px,
+// or if they lie on one plane (or on two planes that meet between them), where stretching is what
+// the surface really does. 1/z is affine on planes in screen space, so its second differences tell;
+// no ids.
+#pragma once
+
+#include "client/reprojection/mesh.h"
+
+namespace macula::reprojection {
+
+class Cuts {
+ public:
+  Cuts(const MeshProjector& mesh, const RelativeView& relative, const foveation::Display& display,
+       float cut_px);
+  /// Difference of inverse depth (1/m) below which nothing needs cutting; infinite without offset.
+  float harmless_difference() const { return harmless_; }
+  /// Whether vertices (column, row) and (column + 1, row) hang together; down: and (column, row +
+  /// 1).
+  bool joined_right(int column, int row) const;
+  bool joined_down(int column, int row) const;
+
+ private:
+  const MeshProjector& mesh_;
+  float harmless_;
+};
+
+void draw_quad(const Vertex& upper_left, const Vertex& upper_right, const Vertex& lower_left,
+               const Vertex& lower_right, Fragments& out);
+
+/// Draws the quad whose top-left vertex is (column, row), cut: each corner keeps its quarter up to
+/// the quad's middle, at its own depth and colour, blended with the corners it is joined to. So a
+/// silhouette ends where its outermost cells end, half a cell beyond their centres.
+void draw_cut_quad(const MeshProjector& mesh, const Cuts& cuts, int column, int row,
+                   Fragments& out);
+
+}  // namespace macula::reprojection
