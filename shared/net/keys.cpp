@@ -25,13 +25,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kZ85Key = 40;  ///< characters of a 32-byte key
 constexpr mode_t kFolderMode = 0700, kFileMode = 0600, kOthersMayUse = 0077;
 
-/// The alphabet of Z85 (rfc.zeromq.org/spec/32).
-bool is_z85_key(const std::string& text) {
-  constexpr std::string_view kAlphabet =
-      "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
-  return text.size() == kZ85Key && text.find_first_not_of(kAlphabet) == std::string::npos;
-}
-
 std::string without_line_end(std::string text) {
   while (!text.empty() && std::strchr(" \t\r\n", text.back()) != nullptr) text.pop_back();
   return text;
@@ -44,7 +37,7 @@ Result<std::string> read_key_line(const std::string& file) {
   in.read(bytes.data(), bytes.size());
   const std::string key = without_line_end(
       {bytes.data(), static_cast<std::size_t>(std::max<std::streamsize>(0, in.gcount()))});
-  if (is_z85_key(key)) return key;
+  if (is_key(key)) return key;
   return base::bad_input("not a key", file, "one line of 40 characters of Z85 text");
 }
 
@@ -124,6 +117,13 @@ bool is_file_name(const std::string& name) {
 
 }  // namespace
 
+bool is_key(const std::string& z85) {
+  // rfc.zeromq.org/spec/32
+  constexpr std::string_view kAlphabet =
+      "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
+  return z85.size() == kZ85Key && z85.find_first_not_of(kAlphabet) == std::string::npos;
+}
+
 std::string default_key_folder(const char* xdg_config_home, const char* home) {
   // The XDG base directory specification has relative values ignored.
   if (xdg_config_home != nullptr && xdg_config_home[0] == '/') {
@@ -184,7 +184,7 @@ Result<void> allow_client(const std::string& folder, const std::string& name,
     return base::bad_input(base::concat("'", name, "'"), "client name",
                            "1..64 letters, digits, '.', '_', '-', not starting with '.'");
   }
-  if (!is_z85_key(public_z85)) {
+  if (!is_key(public_z85)) {
     return base::bad_input("not a key", "client key", "40 characters of Z85 text");
   }
   if (auto made = make_private_folder(folder); !made) return made;

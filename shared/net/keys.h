@@ -20,6 +20,9 @@ struct KeyPair {
 /// $XDG_CONFIG_HOME/macula or ~/.config/macula: the value is given by app, this only joins.
 std::string default_key_folder(const char* xdg_config_home, const char* home);
 
+/// 40 characters of Z85 text.
+bool is_key(const std::string& z85);
+
 enum class Role { Server, Client };
 KeyPair make_key_pair();
 Result<KeyPair> load_or_make_keys(const std::string& folder, Role role);

@@ -1,0 +1,228 @@
+#include "shared/net/server_loop.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "shared/base/log.h"
+#include "shared/base/text.h"
+#include "shared/net/wire.h"
+
+namespace macula::net {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr milliseconds kBeatEvery{100};
+/// A socket with room again normally wakes poll; this covers the wake-ups libzmq swallows.
+constexpr milliseconds kRetryEvery{1};
+/// A client is never silent for longer than 100 ms, unless it is gone.
+constexpr seconds kForgetAfter{10};
+/// One round takes at most this many messages before frames get their turn.
+constexpr int kMessagesARound = 256;
+constexpr int kGoodbye_ms = 100;
+
+SteadyTime steady_now() {
+  return std::chrono::steady_clock::now();
+}
+
+constexpr int kWatchedEvents =
+    ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+
+}  // namespace
+
+ServerLoop::ServerLoop(const ServerEndpointOptions& options, const base::Clock& clock)
+    : options_(options),
+      clock_(clock),
+      zap_(context_, options.key_folder, options.zap_domain),
+      router_(context_, SocketKind::Router),
+      monitor_(context_, router_, kWatchedEvents) {}
+
+Result<std::unique_ptr<ServerLoop>> ServerLoop::create(const ServerEndpointOptions& options,
+                                                       const base::Clock& clock) {
+  const auto keys = load_or_make_keys(options.key_folder, Role::Server);
+  if (!keys) return forward(keys);
+  std::unique_ptr<ServerLoop> loop(new ServerLoop(options, clock));
+  if (auto opened = loop->open(*keys); !opened) return forward(opened);
+  return loop;
+}
+
+/// The ZAP handler runs before the socket binds: without one, CURVE lets every key in.
+Result<void> ServerLoop::open(const KeyPair& keys) {
+  if (auto started = zap_.start(); !started) return started;
+  set_common_options(router_, options_.limits);
+  router_.set(ZMQ_ROUTER_MANDATORY, 1);
+  router_.set(ZMQ_CURVE_SERVER, 1);
+  router_.set(ZMQ_CURVE_SECRETKEY, keys.secret_z85);
+  router_.set(ZMQ_ZAP_DOMAIN, options_.zap_domain);
+  auto listener = listen_on(options_.bind);
+  if (!listener) return forward(listener);
+  router_.set(ZMQ_USE_FD, listener->fd.value());
+  if (auto bound = router_.bind(listener->endpoint); !bound) return bound;
+  listener->fd.release();  // libzmq closes it with the socket
+  endpoint_ = listener->endpoint;
+  public_key_ = keys.public_z85;
+  return {};
+}
+
+void ServerLoop::run() {
+  while (!stopping_) {
+    round();
+    if (!stopping_) sleep();
+  }
+  router_.set(ZMQ_LINGER, kGoodbye_ms);  // a Bye just sent may still leave
+}
+
+void ServerLoop::round() {
+  wakeup_.drain();
+  read_monitor();
+  zap_.serve();
+  receive_all();
+  take_commands();
+  beat();
+  for (auto& [routing_id, peer] : peers_) flush(peer);
+  forget_the_gone();
+  publish_counters();
+}
+
+void ServerLoop::sleep() {
+  for (auto& [routing_id, peer] : peers_) {
+    if (peer.frames.is_blocked()) flush(peer);
+  }
+  // libzmq's descriptors are edge-triggered: what is here already would not wake the poll again.
+  if (monitor_.has_input() || zap_.has_input() || router_.has_input()) return;
+  timer_.arm(next_deadline());
+  sleep_until_readable(
+      std::array{wakeup_.fd(), timer_.fd(), monitor_.fd(), zap_.fd(), router_.fd()});
+}
+
+SteadyTime ServerLoop::next_deadline() const {
+  SteadyTime deadline = beat_due_;
+  for (const auto& [routing_id, peer] : peers_) {
+    if (peer.frames.is_blocked() || !peer.control.empty()) {
+      deadline = std::min(deadline, steady_now() + kRetryEvery);
+    }
+    if (const auto due = peer.frames.deadline(); due && !peer.frames.is_blocked()) {
+      deadline = std::min(deadline, *due);
+    }
+  }
+  return deadline;
+}
+
+void ServerLoop::read_monitor() {
+  while (monitor_.next()) ++failed_handshakes_;
+}
+
+void ServerLoop::receive_all() {
+  for (int i = 0; i < kMessagesARound; ++i) {
+    Incoming message;
+    if (!router_.receive(message)) return;
+    on_message(message, now());
+  }
+}
+
+void ServerLoop::take_commands() {
+  std::vector<ServerCommand> commands;
+  {
+    std::lock_guard lock(mutex_);
+    commands.swap(commands_);
+  }
+  for (ServerCommand& command : commands) {
+    std::visit([this](auto&& one) { execute(std::move(one)); }, command);
+  }
+}
+
+void ServerLoop::beat() {
+  if (steady_now() < beat_due_) return;
+  beat_due_ = steady_now() + kBeatEvery;
+  ++beats_;
+  for (auto& [routing_id, peer] : peers_) {
+    if (peer.control.empty()) peer.control.push_back(Beat{beats_, {}});
+  }
+}
+
+/// Control first: a Pong or Welcome never waits behind a frame's parts that are still ours.
+void ServerLoop::flush(Peer& peer) {
+  while (!peer.control.empty()) {
+    Message& message = peer.control.front();
+    if (auto* const pong = std::get_if<Pong>(&message)) pong->pong_sent = now();
+    if (auto* const beat = std::get_if<Beat>(&message)) beat->sent = now();
+    const std::string envelope = encode_envelope(message);
+    const SendOutcome outcome = router_.send_to(peer.routing_id, {envelope, nullptr, 0, 0});
+    if (outcome == SendOutcome::Full) return;
+    if (outcome == SendOutcome::Unreachable) peer.is_gone = true;
+    peer.control.pop_front();
+  }
+  std::vector<FrameSent> ended;
+  const auto sink = [&](const Outgoing& out) {
+    const SendOutcome outcome = router_.send_to(peer.routing_id, out);
+    if (outcome == SendOutcome::Unreachable) peer.is_gone = true;
+    return outcome;
+  };
+  peer.frames.progress({steady_now(), [this] { return now(); }}, sink, ended);
+  for (const FrameSent& sent : ended) {
+    ++(sent.lost ? own_counters_.frames_lost : own_counters_.frames_sent);
+    events_.put(sent);
+  }
+}
+
+void ServerLoop::forget_the_gone() {
+  const SteadyTime now_steady = steady_now();
+  for (auto it = peers_.begin(); it != peers_.end();) {
+    Peer& peer = it->second;
+    if (!peer.is_gone && now_steady - peer.last_heard < kForgetAfter) {
+      ++it;
+      continue;
+    }
+    std::vector<FrameSent> ended;
+    peer.frames.lose_all(now(), ended);
+    own_counters_.frames_lost += ended.size();
+    for (const FrameSent& lost : ended) events_.put(lost);
+    it = peers_.erase(it);
+  }
+}
+
+void ServerLoop::publish_counters() {
+  own_counters_.refused_handshakes = zap_.refused() + failed_handshakes_;
+  std::lock_guard lock(mutex_);
+  published_counters_ = own_counters_;
+}
+
+void ServerLoop::post(ServerCommand command) {
+  {
+    std::lock_guard lock(mutex_);
+    commands_.push_back(std::move(command));
+  }
+  wakeup_.signal();
+}
+
+ServerCounters ServerLoop::counters() const {
+  std::lock_guard lock(mutex_);
+  return published_counters_;
+}
+
+ServerLoop::Peer* ServerLoop::find(PeerId id) {
+  const auto found = std::find_if(peers_.begin(), peers_.end(),
+                                  [id](const auto& entry) { return entry.second.id == id; });
+  return found == peers_.end() ? nullptr : &found->second;
+}
+
+void ServerLoop::execute(SendMessage&& command) {
+  if (Peer* const peer = find(command.peer)) peer->control.push_back(std::move(command.message));
+}
+
+void ServerLoop::execute(SendFrame&& command) {
+  const FrameBegin& begin = command.frame.begin;
+  Peer* const peer = find(command.peer);
+  const auto checked = check_frame_begin(begin, options_.limits);
+  if (!checked) base::log_error("a frame is not sent: " + checked.error().message());
+  if (peer != nullptr && checked && peer->frames.has_room()) {
+    peer->frames.add(std::move(command.frame), command.handed_over, steady_now());
+    return;
+  }
+  ++own_counters_.frames_lost;
+  events_.put(FrameSent{command.peer, begin.epoch, begin.frame, command.handed_over, now(), true});
+}
+
+}  // namespace macula::net
