@@ -1,0 +1,245 @@
+// macula-bench EXPERIMENT [options]: the command line of every experiment, and nothing else of it.
+// Exit status: 0 done, 2 bad arguments or input, 1 anything else.
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "tests/bench/arguments.h"
+#include "tests/bench/compare.h"
+#include "tests/bench/still.h"
+
+namespace macula::bench {
+namespace {
+
+/// What to do once the command line has been read.
+using Run = std::function<Result<void>()>;
+
+struct Experiment {
+  const char* name;
+  const char* summary;
+  /// Adds its options to its subcommand.
+  Run (*declare)(CLI::App& command);
+};
+
+Run declare_compare(CLI::App& command) {
+  auto options = std::make_shared<CompareOptions>();
+  auto gaze = std::make_shared<std::string>();
+  command.add_option("REF", options->reference, "The reference: .png (sRGB) or .exr (linear)")
+      ->required()
+      ->option_text("FILE");
+  command.add_option("TEST", options->test, "The picture to judge, of the same size")
+      ->required()
+      ->option_text("FILE");
+  command
+      .add_option("--ppd", options->pixels_per_degree,
+                  "Pixels per degree of the viewer's eye; a headset has about 20")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->option_text("N (67.0206)");
+  command.add_option("--gaze", *gaze, "Where the eye looks, pixels from the top left (the middle)")
+      ->option_text("X,Y");
+  command
+      .add_option("--exposure", options->exposure_ev,
+                  "Brightens .exr pictures before a display shows them")
+      ->check(CLI::Range(-64.0, 64.0))
+      ->option_text("EV (0)");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  command.add_option("--map", options->map, "Write the FLIP error in false colour")
+      ->option_text("FILE.png");
+  command.footer(
+      "Prints one row. mse, rmse and relmse are in linear light; psnr_db, ssim (luma, border of\n"
+      "5 px left out), ew_psnr_db and gp_psnr_db on display values; flip is HDR-FLIP when both\n"
+      "pictures are .exr. ew_ and gp_ forgive what the eye cannot resolve away from the gaze.");
+  return [options, gaze]() -> Result<void> {
+    if (!gaze->empty()) {
+      const auto point = parse_pair("--gaze", *gaze);
+      if (!point) return base::forward(point);
+      options->gaze_px = *point;
+    }
+    return run_compare(*options);
+  };
+}
+
+#ifdef MACULA_BENCH_STILL
+/// Options of `still` that are words on the command line and something better in StillOptions.
+struct StillWords {
+  std::string mode = "exact", material, grid = "uniform", camera, size, gaze;
+  std::vector<std::string> planes;
+};
+
+struct PlaneName {
+  const char* name;
+  StillPlane plane;
+};
+constexpr PlaneName kPlaneNames[] = {
+    {"depth", StillPlane::Depth},   {"normal", StillPlane::Normal},
+    {"albedo", StillPlane::Albedo}, {"id", StillPlane::Id},
+    {"rate", StillPlane::Rate},     {"samples", StillPlane::Samples},
+    {"steps", StillPlane::Steps},   {"variance", StillPlane::Variance},
+};
+
+Result<StillOptions> still_options(StillOptions options, const StillWords& words) {
+  options.mode = words.mode == "fast" ? StillMode::Fast : StillMode::Exact;
+  options.grid = words.grid == "foveal" ? StillGrid::Foveal : StillGrid::Uniform;
+  if (words.material == "lambert") options.material = StillMaterial::Lambert;
+  for (const std::string& word : words.planes) {
+    options.planes.push_back(std::ranges::find(kPlaneNames, word, &PlaneName::name)->plane);
+  }
+  if (words.camera.find(';') == std::string::npos) {
+    options.camera_name = words.camera;
+  } else {
+    const auto camera = parse_camera("--camera", words.camera);
+    if (!camera) return base::forward(camera);
+    options.camera = *camera;
+  }
+  if (!words.size.empty()) {
+    const auto size = parse_size("--size", words.size);
+    if (!size) return base::forward(size);
+    options.width_px = size->width_px;
+    options.height_px = size->height_px;
+  }
+  if (!words.gaze.empty()) {
+    const auto gaze = parse_gaze("--gaze", words.gaze);
+    if (!gaze) return base::forward(gaze);
+    options.gaze = *gaze;
+  }
+  return options;
+}
+
+void add_still_picture(CLI::App& command, StillOptions& options, StillWords& words) {
+  std::vector<std::string> planes;
+  for (const PlaneName& entry : kPlaneNames) planes.emplace_back(entry.name);
+  command.add_option("--scene", options.scene, "Built-in scene or scene file")
+      ->required()
+      ->option_text("NAME|FILE");
+  command.add_option("--out", options.out, "The picture: linear .exr or tone-mapped .png")
+      ->required()
+      ->option_text("FILE");
+  command.add_option("--camera", words.camera, "In the scene file's own units (its first camera)")
+      ->option_text("NAME|\"ex,ey,ez;tx,ty,tz;ux,uy,uz;vfov_deg\"");
+  command.add_option("--size", words.size, "Pixels (512x512)")->option_text("WxH");
+  command
+      .add_option("--gaze", words.gaze, "Degrees to the right and upwards of the view axis (0,0)")
+      ->option_text("YAW,PITCH");
+  command.add_option("--grid", words.grid, "Where the picture is sampled")
+      ->check(CLI::IsMember({"uniform", "foveal"}))
+      ->capture_default_str();
+  command.add_option("--aov", words.planes, "Further planes, with commas between")
+      ->delimiter(',')
+      ->check(CLI::IsMember(planes));
+  command.add_option("--json", options.json, "Write a report")->option_text("FILE.json");
+}
+
+void add_still_method(CLI::App& command, StillOptions& options, StillWords& words) {
+  command.add_option("--kernel", options.kernel, "How light is computed")->capture_default_str();
+  command.add_option("--mode", words.mode, "Unbiased, or with every shortcut")
+      ->check(CLI::IsMember({"exact", "fast"}))
+      ->capture_default_str();
+  command.add_option("--lspp", options.light_samples, "Area-light samples per primary sample")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  command.add_option("--spp", options.samples_per_cell, "Primary samples per cell")
+      ->check(CLI::Range(1, 1 << 20))
+      ->capture_default_str();
+  command.add_option("--material", words.material, "Replace every material by its base colour")
+      ->check(CLI::IsMember({"lambert"}));
+  command.add_option("--bounces", options.bounces, "Diffuse bounces of indirect light")
+      ->check(CLI::Range(0, 1))
+      ->capture_default_str();
+  command.add_option("--rate-model", options.rate_model, "How sampling falls off from the gaze")
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Of every random number")->capture_default_str();
+  command.add_option("--threads", options.threads, "0: all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+}
+
+Run declare_still(CLI::App& command) {
+  auto options = std::make_shared<StillOptions>();
+  auto words = std::make_shared<StillWords>();
+  add_still_picture(command, *options, *words);
+  add_still_method(command, *options, *words);
+  return [options, words]() -> Result<void> {
+    const auto parsed = still_options(*options, *words);
+    if (!parsed) return base::forward(parsed);
+    return run_still(*parsed);
+  };
+}
+
+#endif
+
+constexpr Experiment kExperiments[] = {
+#ifdef MACULA_BENCH_STILL
+    {"still", "One view of a scene for one eye, as a picture", declare_still},
+#endif
+    {"compare", "Every metric on two pictures", declare_compare},
+};
+
+int complain(const Error& error) {
+  std::fprintf(stderr, "macula-bench: %s\n", error.message().c_str());
+  return error.exit_status();
+}
+
+/// A first word that is no option must be an experiment.
+Result<void> check_experiment(int argc, const char* const* argv) {
+  const std::string_view word = argc < 2 ? "" : argv[1];
+  if (word.starts_with('-')) return {};
+  std::string names;
+  for (const Experiment& entry : kExperiments) {
+    if (entry.name == word) return {};
+    names += (names.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  const std::string what =
+      word.empty() ? "which experiment?" : "unknown experiment '" + std::string(word) + "'";
+  return base::bad_input(what, {}, "there are: " + names + "; macula-bench --help explains");
+}
+
+int run(int argc, const char* const* argv) {
+  if (const auto known = check_experiment(argc, argv); !known) return complain(known.error());
+  CLI::App app{"Pictures, measurements and comparisons of the Macula renderer.", "macula-bench"};
+  app.require_subcommand(1);
+  app.get_formatter()->label("SUBCOMMAND", "EXPERIMENT");
+  app.footer("macula-bench EXPERIMENT --help explains one of them.");
+  std::vector<std::pair<CLI::App*, Run>> commands;
+  for (const Experiment& entry : kExperiments) {
+    CLI::App* command = app.add_subcommand(entry.name, entry.summary);
+    command->group("Experiments");
+    commands.emplace_back(command, entry.declare(*command));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return complain({error.what(), {}, "macula-bench --help lists what is allowed"});
+  }
+  for (const auto& [command, start] : commands) {
+    if (!command->parsed()) continue;
+    if (const auto done = start(); !done) return complain(done.error());
+  }
+  if (std::fflush(stdout) != 0)
+    return complain({"standard output is closed", {}, {}, base::ErrorKind::Runtime});
+  return 0;
+}
+
+}  // namespace
+}  // namespace macula::bench
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error to report, not a way to die
+  try {
+    return macula::bench::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "macula-bench: unexpected: %s\n", error.what());
+  } catch (...) {
+    std::fputs("macula-bench: unexpected failure\n", stderr);
+  }
+  return 1;
+}

@@ -1,0 +1,214 @@
+// macula-bench as a person runs it.
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/shading/exr.h"
+#include "shared/image/png.h"
+#include "tests/bench/run_program.h"
+#include "tests/support/handed_data.h"
+
+namespace macula::bench {
+namespace {
+
+using image::Plane;
+namespace fs = std::filesystem;
+
+Finished bench(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), MACULA_BENCH_PROGRAM);
+  return run_program(arguments);
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+bool is_one_line(const std::string& text) {
+  return std::ranges::count(text, '\n') == 1 && text.ends_with('\n');
+}
+
+/// The one row under the header.
+std::map<std::string, double> row_of(const std::string& table) {
+  std::istringstream lines(table);
+  std::string header, values;
+  std::getline(lines, header);
+  std::getline(lines, values);
+  std::istringstream names(header), numbers(values);
+  std::map<std::string, double> row;
+  std::string name, number;
+  while (names >> name && numbers >> number) row[name] = std::stod(number);
+  return row;
+}
+
+class Program : public testing::Test {
+ protected:
+  Program() : folder_(fs::path(testing::TempDir()) / ("macula_bench_" + std::to_string(getpid()))) {
+    fs::create_directories(folder_);
+  }
+  ~Program() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string grey_png(const std::string& name, std::uint8_t value, int width = 32) const {
+    EXPECT_TRUE(image::write_png(path(name), Plane<Rgb8>(width, 24, Rgb8{value, value, value})));
+    return path(name);
+  }
+  std::string grey_exr(const std::string& name, float value) const {
+    EXPECT_TRUE(shading::write_exr(path(name), Plane<Rgb>(32, 24, Rgb{value})));
+    return path(name);
+  }
+  static std::string text_of(const std::string& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+
+ private:
+  fs::path folder_;
+};
+
+TEST_F(Program, ListsTheExperimentsWhenItDoesNotKnowOne) {
+  const Finished run = bench({"compair", "a.png", "b.png"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(is_one_line(run.err)) << run.err;
+  EXPECT_TRUE(contains(run.err, "compair") && contains(run.err, "compare")) << run.err;
+  EXPECT_EQ(run.out, "");
+}
+
+TEST_F(Program, ExplainsItself) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"--help"}, {"compare", "--help"}}) {
+    const Finished run = bench(arguments);
+    EXPECT_EQ(run.status, 0);
+    EXPECT_TRUE(contains(run.out, "compare")) << run.out;
+    EXPECT_EQ(run.err, "");
+  }
+}
+
+TEST_F(Program, RefusesBadArgumentsWithOneLine) {
+  const std::string a = grey_png("a.png", 100);
+  for (const std::vector<std::string>& arguments : {std::vector<std::string>{},
+                                                    {"compare"},
+                                                    {"compare", a, a, "--ppd", "-3"},
+                                                    {"compare", a, a, "--ppd", "x"},
+                                                    {"compare", a, a, "--gaze", "12"},
+                                                    {"compare", a, a, "--no-such-option"}}) {
+    const Finished run = bench(arguments);
+    EXPECT_EQ(run.status, 2) << run.err;
+    EXPECT_TRUE(is_one_line(run.err)) << run.err;
+    EXPECT_EQ(run.out, "");
+  }
+}
+
+TEST_F(Program, NamesAMissingPictureAndWhatToDo) {
+  const std::string a = grey_png("a.png", 100);
+  for (const char* name : {"missing.png", "missing.exr"}) {
+    const Finished run = bench({"compare", a, path(name)});
+    EXPECT_EQ(run.status, 2);
+    EXPECT_TRUE(is_one_line(run.err)) << run.err;
+    EXPECT_TRUE(contains(run.err, path(name))) << run.err;
+    EXPECT_TRUE(run.err.ends_with(")\n")) << "a remedy in brackets: " << run.err;
+  }
+}
+
+TEST_F(Program, RefusesUnreadableUnequalAndUnknownPictures) {
+  const std::string a = grey_png("a.png", 100), narrow = grey_png("narrow.png", 100, 31);
+  std::ofstream(path("text.png")) << "not a picture";
+  std::ofstream(path("text.exr")) << "not a picture";
+  std::ofstream(path("picture.bmp")) << "BM";
+  EXPECT_TRUE(shading::write_exr(path("nan.exr"), Plane<Rgb>(32, 24, Rgb{0.0F / 0.0F})));
+  for (const std::string& other : {narrow, path("text.png"), path("text.exr"), path("picture.bmp"),
+                                   path("nan.exr"), path("")}) {
+    const Finished run = bench({"compare", a, other});
+    EXPECT_EQ(run.status, 2) << other << ": " << run.err;
+    EXPECT_TRUE(is_one_line(run.err)) << run.err;
+  }
+  EXPECT_TRUE(contains(bench({"compare", a, narrow}).err, "31x24")) << "both sizes are named";
+}
+
+TEST_F(Program, ComparesTwoGreysByTheirClosedForms) {
+  // 8-bit 100 and 120 are .127438 and .187821 in linear light.
+  const Finished run = bench({"compare", grey_png("a.png", 100), grey_png("b.png", 120)});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto row = row_of(run.out);
+  ASSERT_EQ(row.size(), 9U) << run.out;
+  EXPECT_NEAR(row.at("rmse"), 0.187821 - 0.127438, 1e-5);
+  EXPECT_NEAR(row.at("psnr_db"), 22.110204, 1e-3);
+  EXPECT_NEAR(row.at("ew_psnr_db"), 22.110204, 1e-3) << "weights do not matter for a constant";
+  EXPECT_NEAR(row.at("ssim"), 0.98361092, 1e-5);
+}
+
+TEST_F(Program, WritesAReportAndAnErrorMap) {
+  const Finished run =
+      bench({"compare", grey_png("a.png", 0), grey_png("b.png", 255), "--ppd", "20", "--gaze",
+             "3,4.5", "--json", path("report.json"), "--map", path("map.png")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string report = text_of(path("report.json"));
+  for (const char* part :
+       {"\"experiment\": \"compare\"", "\"machine\"", "\"commit\"", "\"pixels_per_degree\": 20.0",
+        "\"gaze_y_px\": 4.5", "\"rows\"", "\"gp_psnr_db\"", "\"ssim_rgb\""}) {
+    EXPECT_TRUE(contains(report, part)) << part << "\n" << report;
+  }
+  const auto map = image::read_png(path("map.png"));
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->width(), 32);
+}
+
+TEST_F(Program, JudgesTwoExrPicturesByHdrFlip) {
+  // Far above white a display shows no difference; HDR-FLIP lowers the exposure and sees one.
+  const std::string a = grey_exr("a.exr", 10.0F), b = grey_exr("b.exr", 40.0F);
+  const auto row = row_of(bench({"compare", a, b}).out);
+  EXPECT_EQ(row.at("psnr_db"), 99.0);
+  EXPECT_GT(row.at("flip"), 0.1);
+  const auto darker = row_of(bench({"compare", a, b, "--exposure", "-6"}).out);
+  EXPECT_LT(darker.at("psnr_db"), 20.0);
+}
+
+TEST_F(Program, JudgesAnExrBesideAPngAsADisplayShowsIt) {
+  const auto row = row_of(bench({"compare", grey_png("a.png", 255), grey_exr("b.exr", 7.0F)}).out);
+  EXPECT_EQ(row.at("flip"), 0.0);
+  EXPECT_EQ(row.at("mse"), 0.0);
+}
+
+struct Outside {
+  const char *reference, *test;
+  double flip, flip_weighted_median, psnr_db, ssim;
+};
+
+// NVIDIA FLIP v1.6 and scikit-image 0.19.3 on the same files.
+TEST_F(Program, AgreesWithOutsideProgramsOnDisplayPictures) {
+  MACULA_NEEDS_HANDED_DATA("metrics");
+  constexpr Outside kPairs[] = {
+      {"tree_ref.png", "tree_test.png", 0.133276, 0.333201, 22.28412, 0.740346},
+      {"hall_ref.png", "hall_foveated.png", 0.10451, 0.208809, 27.664778, 0.862049},
+  };
+  const fs::path folder = test::handed_data() / "metrics";
+  for (const Outside& pair : kPairs) {
+    const Finished run = bench({"compare", folder / pair.reference, folder / pair.test});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const auto row = row_of(run.out);
+    EXPECT_NEAR(row.at("flip"), pair.flip, 1e-4);
+    EXPECT_NEAR(row.at("flip_weighted_median"), pair.flip_weighted_median, 1e-3);
+    EXPECT_NEAR(row.at("psnr_db"), pair.psnr_db, 1e-3);
+    EXPECT_NEAR(row.at("ssim"), pair.ssim, 1e-3);
+  }
+}
+
+TEST_F(Program, AgreesWithOutsideProgramsOnRadiance) {
+  MACULA_NEEDS_HANDED_DATA("metrics");
+  const fs::path folder = test::handed_data() / "metrics";
+  const std::vector<std::string> pair = {"compare", folder / "veachmis_hdr_ref.exr",
+                                         folder / "veachmis_hdr_test.exr"};
+  const auto row = row_of(bench(pair).out);
+  EXPECT_NEAR(row.at("flip"), 0.18631, 1e-3);
+  EXPECT_NEAR(row.at("flip_weighted_median"), 0.289413, 1e-3);
+}
+
+}  // namespace
+}  // namespace macula::bench

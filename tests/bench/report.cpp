@@ -1,0 +1,114 @@
+#include "tests/bench/report.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+namespace macula::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// From the system's own description; empty where there is none.
+std::string cpu_model() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);) {
+    if (!line.starts_with("model name")) continue;
+    const std::size_t colon = line.find(": ");
+    return colon == std::string::npos ? std::string{} : line.substr(colon + 2);
+  }
+  return {};
+}
+
+const char* widest_isa() {
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx512f")) return "avx512";
+  if (__builtin_cpu_supports("avx2")) return "avx2";
+  return "sse4.2";
+}
+
+Json json_of(const Fields& fields) {
+  Json object = Json::object();
+  for (const auto& [key, value] : fields) {
+    std::visit([&object, &name = key](const auto& plain) { object[name] = plain; }, value);
+  }
+  return object;
+}
+
+Json json_of(const Report& report) {
+  Json rows = Json::array();
+  for (const Fields& row : report.rows) rows.push_back(json_of(row));
+  return Json{{"experiment", report.experiment},
+              {"machine",
+               {{"cpu", cpu_model()},
+                {"cores", std::thread::hardware_concurrency()},
+                {"isa", widest_isa()}}},
+              {"commit", MACULA_COMMIT},
+              {"config", json_of(report.config)},
+              {"rows", std::move(rows)}};
+}
+
+std::string text_of(const Value& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* yes = std::get_if<bool>(&value)) return *yes ? "yes" : "no";
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", std::get<double>(value));
+  return buffer;
+}
+
+/// Columns wide enough for all lines, right-aligned, two spaces apart.
+std::string aligned(const std::vector<std::vector<std::string>>& lines) {
+  std::vector<std::size_t> widths;
+  for (const auto& line : lines) {
+    widths.resize(std::max(widths.size(), line.size()), 0);
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  }
+  std::string text;
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      text += std::string(widths[i] - line[i].size() + (i == 0 ? 0 : 2), ' ') + line[i];
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<void> write_json(const std::string& path, const Report& report) {
+  std::string text;
+  try {
+    text = json_of(report).dump(2) + "\n";
+  } catch (const nlohmann::json::exception& error) {
+    return base::bad_input(std::string("a value is not UTF-8 text: ") + error.what(), path,
+                           "rename the file or option that carries it");
+  }
+  errno = 0;
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  if (!out) {
+    return base::bad_input(std::string("cannot be written: ") + std::strerror(errno), path,
+                           "give a path in a folder that exists and has room");
+  }
+  return {};
+}
+
+std::string table_text(const std::vector<Fields>& rows) {
+  if (rows.empty()) return {};
+  std::vector<std::vector<std::string>> lines(1);
+  for (const auto& [key, value] : rows.front()) lines[0].push_back(key);
+  for (const Fields& row : rows) {
+    lines.emplace_back();
+    for (const auto& [key, value] : row) lines.back().push_back(text_of(value));
+  }
+  return aligned(lines);
+}
+
+}  // namespace macula::bench
