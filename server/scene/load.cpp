@@ -18,6 +18,8 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 
 constexpr std::array kBuiltIn{
+    BuiltIn{"atrium", "a court with vaulted arcades, curtains, plants and lanterns, under the sky",
+            built_in::atrium},
     BuiltIn{"cornell", "the Cornell box at room scale, one area light, Lambertian",
             built_in::cornell},
     BuiltIn{"posts", "textured room with objects at 0.7 to 4 m and thin posts, for reprojection",
