@@ -1,0 +1,66 @@
+// ClientConfig: everything a run of the client needs, with the defaults of the command line.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/reprojection/warp.h"
+#include "shared/net/messages.h"
+#include "shared/units/angle.h"
+#include "shared/units/length.h"
+#include "shared/units/time.h"
+
+namespace macula::client_app {
+
+enum class DisplayKind { Headless, Window };
+
+/// RealTime: refreshes come at the display's rate; one that is late is missed. AsFastAsPossible:
+/// every refresh waits until a server frame newer than the last shown one is decoded (at most
+/// `frame_patience`, then it shows the old one again), while poses advance by exactly one refresh
+/// period each. Stamps and ages are those of the real clock in both.
+enum class Pacing { RealTime, AsFastAsPossible };
+
+/// Delays for tests that show where time goes; zero in production. (The uplink's is the
+/// endpoint's.)
+struct StageDelays {
+  Nanoseconds decode{0}, reproject{0}, present{0};
+};
+
+struct ClientConfig {
+  std::string connect = "tcp://127.0.0.1:7788";
+  std::string key_folder;
+  Nanoseconds connect_patience{units::from_s(10.0)};  ///< for the first Welcome
+  Nanoseconds frame_patience{units::from_s(2.0)};     ///< AsFastAsPossible: for one frame
+  /// A headless run without any new frame for this long ends; a window waits for ever.
+  Nanoseconds silence_patience{units::from_s(10.0)};
+
+  DisplayKind display = DisplayKind::Window;
+  int width_px = 640, height_px = 640;  ///< one eye
+  Degrees vertical_fov{80.0};
+  int eyes = 2;  ///< 1 or 2
+  Meters ipd{0.063};
+  Meters convergence{1.0};  ///< the eyes' gazes meet this far along the head's gaze
+  double refresh_hz = 72.0;
+  Pacing pacing = Pacing::RealTime;
+  reprojection::WarpOptions::Method warp = reprojection::WarpOptions::Method::Mesh;
+
+  std::string trace_file;  ///< empty: the demo trace (headless) or mouse and keys (window)
+  enum class Repeat { No, Yes };
+  Repeat repeat_trace = Repeat::No;
+  std::uint64_t frames = 0;  ///< shown frames after which to stop; 0: when the poses end
+
+  net::Settings settings;  ///< wishes to the server
+  std::string out_folder;  ///< pictures and report.json; empty: none are written
+  int picture_every = 12;  ///< of the shown frames
+  StageDelays delays;
+};
+
+/// Each eye's display: the same size and a symmetric frustum.
+foveation::Display eye_display(const ClientConfig& config);
+net::Hello make_hello(const ClientConfig& config);
+/// Option and value of everything in force, as printed at start and stored in the report.
+std::vector<std::pair<std::string, std::string>> describe(const ClientConfig& config);
+
+}  // namespace macula::client_app

@@ -1,0 +1,70 @@
+// DisplayLoop: one turn a refresh, in five words. predict: sample the head and say where it will be
+// when the display lights up; publish: tell the server; fetch: the newest decoded frame; reproject:
+// to the predicted pose; submit: at the display's time. Degrades and says so; never waits for the
+// network in real time.
+#pragma once
+
+#include <atomic>
+
+#include "client/app/client_config.h"
+#include "client/app/eye_rig.h"
+#include "client/app/refresh_clock.h"
+#include "client/app/run_log.h"
+#include "client/app/screen.h"
+#include "client/app/warp_stage.h"
+#include "client/display/headless/picture_writer.h"
+#include "client/frames/frame_store.h"
+#include "client/pose/predictor.h"
+
+namespace macula::client_app {
+
+/// What the loop works with; all of it outlives the loop.
+struct LoopParts {
+  net::ClientEndpoint& endpoint;
+  const base::Clock& clock;
+  pose::PoseSource& poses;
+  const frames::FrameStore& store;
+  RunLog& log;
+  Screen& screen;
+  display::PictureWriter* pictures = nullptr;  ///< null: none are kept
+  const std::atomic<bool>& stop;
+};
+
+class DisplayLoop {
+ public:
+  DisplayLoop(const ClientConfig& config, const LoopParts& parts);
+
+  display::RunEnd run();
+  std::uint64_t missed_refreshes() const { return refreshes_.missed(); }
+  /// The last frame shown, null before the first, and the pictures made of it.
+  frames::FramePtr last_frame() const { return last_frame_; }
+  const display::EyePictures& pictures() const { return warps_.pictures(); }
+
+ private:
+  struct Predicted {
+    pose::HeadSample head;
+    Pose stage_from_head;  ///< at the display time
+  };
+  /// The reason to end, when there is one.
+  std::optional<display::RunEnd> end_reason() const;
+  std::optional<Predicted> predict(const Refresh& refresh);
+  void publish(const pose::HeadSample& head);
+  frames::FramePtr fetch(const pose::HeadSample& head);
+  frames::FramePtr wait_for_news(const pose::HeadSample& head);
+  Showing reproject(const frames::FramePtr& frame, const Pose& stage_from_head);
+  void submit(const Refresh& refresh, const Gaze& gaze, Showing showing);
+  void report_events();
+  ClientTime now() const { return ClientTime{parts_.clock.now()}; }
+
+  const ClientConfig config_;
+  const LoopParts parts_;
+  const EyeRig rig_;
+  RefreshClock refreshes_;
+  pose::Predictor predictor_;
+  WarpStage warps_;
+  frames::FramePtr last_frame_;
+  ClientTime last_news_;  // when a new frame was last shown
+  std::uint64_t sequence_ = 0;
+};
+
+}  // namespace macula::client_app

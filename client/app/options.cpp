@@ -1,0 +1,179 @@
+#include "client/app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <map>
+
+#include "shared/base/text.h"
+#include "shared/foveation/rate.h"
+#include "shared/net/keys.h"
+
+namespace macula::client_app {
+namespace {
+
+/// The options as typed; ClientConfig holds them in units.
+struct Typed {
+  std::string connect = "tcp://127.0.0.1:7788", keys, display, trace, size = "640x640", out, codec,
+              rate_model, reprojection = "mesh";
+  std::uint64_t frames = 0;
+  double refresh_hz = 72.0, fov_deg = 80.0, ipd_mm = 63.0, oversampling = 0.0, connect_s = 10.0;
+  int eyes = 2, picture_every = 12;
+  bool fast = false, loop = false, verbose = false;
+};
+
+void add_viewer_options(CLI::App& app, Typed& typed) {
+  app.add_option("--trace", typed.trace,
+                 "Head and gaze from FILE.csv (t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz); without it a "
+                 "demo trace in headless mode, mouse and keys in a window")
+      ->type_name("FILE.csv");
+  app.add_flag("--loop", typed.loop, "Start the trace again when it ends");
+  app.add_option("--frames", typed.frames, "Stop after N shown frames (0: when the trace ends)")
+      ->type_name("N");
+  app.add_flag("--as-fast-as-possible", typed.fast,
+               "Every refresh waits for a new server frame instead of for the clock; poses still "
+               "advance one refresh period a frame");
+}
+
+void add_display_options(CLI::App& app, Typed& typed) {
+  app.add_option("--display", typed.display, "Default: window where there is a display")
+      ->check(CLI::IsMember({"window", "headless"}));
+  app.add_option("--size", typed.size, "Pixels of one eye")
+      ->type_name("WxH")
+      ->capture_default_str();
+  app.add_option("--fov-deg", typed.fov_deg, "Vertical field of view of one eye, degrees")
+      ->check(CLI::Range(5.0, 150.0))
+      ->capture_default_str();
+  app.add_option("--eyes", typed.eyes)->check(CLI::Range(1, 2))->capture_default_str();
+  app.add_option("--ipd-mm", typed.ipd_mm, "Distance between the eyes")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  app.add_option("--refresh", typed.refresh_hz, "Refreshes a second")
+      ->type_name("HZ")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--reprojection", typed.reprojection,
+                 "How the newest frame is brought to the pose of the display")
+      ->check(CLI::IsMember({"mesh", "rotation", "stale"}))
+      ->capture_default_str();
+  app.add_option("--out", typed.out,
+                 "Folder for pictures and report.json (headless default: macula-out)")
+      ->type_name("DIR");
+  app.add_option("--picture-every", typed.picture_every, "Write every Nth shown frame as PNG")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+}
+
+void add_server_options(CLI::App& app, Typed& typed) {
+  app.add_option("--connect", typed.connect, "The server")->capture_default_str();
+  app.add_option("--connect-patience", typed.connect_s, "Seconds to wait for the server's welcome")
+      ->type_name("S")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option("--keys", typed.keys, "Key folder (default: $XDG_CONFIG_HOME/macula)")
+      ->type_name("DIR");
+  app.add_option("--codec", typed.codec, "Colour codec to ask the server for")
+      ->check(CLI::IsMember({"jpeg", "lossless"}));
+  app.add_option("--oversampling", typed.oversampling, "Cells per display pixel at the gaze")
+      ->check(CLI::IsMember(std::vector<double>{1.0, 1.5, 2.0, 3.0, 4.0}));
+  app.add_option("--rate-model", typed.rate_model, "How sampling falls off from the gaze");
+  app.add_flag("--verbose", typed.verbose, "Tell more");
+}
+
+/// "WxH", both within 16..8192.
+Result<std::pair<int, int>> parse_size(const std::string& text) {
+  int width = 0, height = 0;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, width);
+  const bool has_x = first.ec == std::errc{} && first.ptr != end && *first.ptr == 'x';
+  const auto second = has_x ? std::from_chars(first.ptr + 1, end, height) : first;
+  const auto in_range = [](int side) { return side >= 16 && side <= 8192; };
+  if (!has_x || second.ec != std::errc{} || second.ptr != end || !in_range(width) ||
+      !in_range(height)) {
+    return base::bad_input(base::concat("'", text, "' is not a size"), "--size",
+                           "WxH with 16 to 8192 pixels a side, such as 640x640");
+  }
+  return std::pair{width, height};
+}
+
+DisplayKind display_kind(const Typed& typed, const Environment& environment) {
+  if (typed.display == "window") return DisplayKind::Window;
+  if (typed.display == "headless") return DisplayKind::Headless;
+  const auto is_set = [](const char* value) { return value != nullptr && *value != '\0'; };
+  return is_set(environment.display) || is_set(environment.wayland_display) ? DisplayKind::Window
+                                                                            : DisplayKind::Headless;
+}
+
+reprojection::WarpOptions::Method warp_method(const std::string& name) {
+  using Method = reprojection::WarpOptions::Method;
+  static const std::map<std::string, Method> kMethods = {
+      {"mesh", Method::Mesh}, {"rotation", Method::RotationOnly}, {"stale", Method::Stale}};
+  return kMethods.at(name);
+}
+
+Result<Options> make_options(const Typed& typed, const Environment& environment) {
+  Options options;
+  ClientConfig& config = options.config;
+  const auto size = parse_size(typed.size);
+  if (!size) return base::forward(size);
+  std::tie(config.width_px, config.height_px) = *size;
+  if (!typed.rate_model.empty()) {
+    if (const auto model = foveation::find_rate_model(typed.rate_model); !model) {
+      Error error = model.error();
+      error.where = "--rate-model";
+      return tl::unexpected(std::move(error));
+    }
+  }
+  config.connect = typed.connect;
+  config.connect_patience = units::from_s(typed.connect_s);
+  config.key_folder = typed.keys.empty()
+                          ? net::default_key_folder(environment.xdg_config_home, environment.home)
+                          : typed.keys;
+  config.display = display_kind(typed, environment);
+  config.vertical_fov = Degrees{typed.fov_deg};
+  config.eyes = typed.eyes;
+  config.ipd = Meters{1e-3 * typed.ipd_mm};
+  config.refresh_hz = typed.refresh_hz;
+  config.pacing = typed.fast ? Pacing::AsFastAsPossible : Pacing::RealTime;
+  config.warp = warp_method(typed.reprojection);
+  config.trace_file = typed.trace;
+  config.repeat_trace = typed.loop ? ClientConfig::Repeat::Yes : ClientConfig::Repeat::No;
+  config.frames = typed.frames;
+  config.settings.color_codec = typed.codec;
+  config.settings.fovea_oversampling = typed.oversampling;
+  config.settings.rate_model = typed.rate_model;
+  const bool headless = config.display == DisplayKind::Headless;
+  config.out_folder = typed.out.empty() && headless ? "macula-out" : typed.out;
+  config.picture_every = typed.picture_every;
+  options.verbosity = typed.verbose ? Verbosity::Verbose : Verbosity::Normal;
+  return options;
+}
+
+}  // namespace
+
+Result<std::variant<Options, TextAsked>> parse_options(int argc, const char* const* argv,
+                                                       const Environment& environment) {
+  Typed typed;
+  CLI::App app(
+      "macula-client: shows what macula-server renders, warped to where the head is now.\n"
+      "In a window the cursor is your gaze, dragging turns your head and W A S D move it.",
+      "macula-client");
+  app.set_version_flag("--version", "macula-client 0.1.0");
+  add_server_options(app, typed);
+  add_viewer_options(app, typed);
+  add_display_options(app, typed);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return TextAsked{app.help()};
+  } catch (const CLI::CallForVersion&) {
+    return TextAsked{app.version() + "\n"};
+  } catch (const CLI::Error& error) {
+    return base::bad_input(error.what(), "command line", "see macula-client --help");
+  }
+  auto options = make_options(typed, environment);
+  if (!options) return base::forward(options);
+  return std::move(*options);
+}
+
+}  // namespace macula::client_app

@@ -1,0 +1,115 @@
+#include "client/app/window_screen.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "client/app/eye_rig.h"
+#include "client/display/window/window.h"
+#include "client/pose/interactive_source.h"
+#include "shared/base/clock.h"
+#include "shared/math/frames.h"
+
+namespace macula::client_app {
+namespace {
+
+constexpr double kWalk_m_per_s = 1.5;
+/// A stall of the loop must not become a leap.
+constexpr double kLongestStep_s = 0.1;
+
+DVec2 frustum_size(const foveation::Display& display) {
+  return display.fov.tangent_max() - display.fov.tangent_min();
+}
+
+std::optional<display::PicturePoint> picture_point(const foveation::Display& display,
+                                                   const Gaze& gaze) {
+  if (!gaze.valid || !(gaze.direction.z < 0.0F)) return std::nullopt;
+  const DVec2 at =
+      (DVec2(math::tangent_from_direction(gaze.direction)) - display.fov.tangent_min()) /
+      frustum_size(display);
+  return display::PicturePoint{static_cast<float>(at.x), static_cast<float>(at.y)};
+}
+
+/// Hands out the head that the window steers.
+class Viewer final : public pose::PoseSource {
+ public:
+  explicit Viewer(pose::InteractiveSource& head) : head_(head) {}
+  std::optional<pose::HeadSample> sample(ClientTime at) override { return head_.sample(at); }
+
+ private:
+  pose::InteractiveSource& head_;
+};
+
+class WindowScreen final : public Screen {
+ public:
+  WindowScreen(std::unique_ptr<display::Window> window, const EyeRig& rig)
+      : window_(std::move(window)), rig_(rig) {}
+
+  bool poll() override {
+    head_.steer(steering(window_->poll()));
+    return !window_->should_close();
+  }
+  void show(const display::EyePictures& eyes, const Gaze& head_gaze) override;
+  std::unique_ptr<pose::PoseSource> viewer() override { return std::make_unique<Viewer>(head_); }
+
+ private:
+  pose::Steering steering(const display::Input& input);
+  double step_s();
+
+  std::unique_ptr<display::Window> window_;
+  const EyeRig rig_;
+  pose::InteractiveSource head_;
+  const base::SteadyClock clock_;
+  Nanoseconds last_poll_ = clock_.now();
+};
+
+double WindowScreen::step_s() {
+  const Nanoseconds now = clock_.now();
+  const double step = units::to_s(now - std::exchange(last_poll_, now));
+  return std::min(step, kLongestStep_s);
+}
+
+pose::Steering WindowScreen::steering(const display::Input& input) {
+  pose::Steering steering;
+  const Fov& fov = rig_.display.fov;
+  steering.turn_left = -static_cast<double>(input.drag.u) * (fov.right - fov.left);
+  steering.turn_up = -static_cast<double>(input.drag.v) * (fov.up - fov.down);
+  steering.move_m = kWalk_m_per_s * step_s() * DVec3(input.right, input.up, -input.forward);
+  if (input.reset) steering.reset = pose::Steering::Reset::Yes;
+  if (input.gaze && input.gaze->picture < rig_.eyes) {
+    const DVec2 tangent = rig_.display.fov.tangent_min() +
+                          frustum_size(rig_.display) * DVec2(input.gaze->at.u, input.gaze->at.v);
+    steering.gaze_tangent =
+        DVec2(math::tangent_from_direction(rig_.head_gaze_through(input.gaze->picture, tangent)));
+  }
+  return steering;
+}
+
+void WindowScreen::show(const display::EyePictures& eyes, const Gaze& head_gaze) {
+  std::array<const image::Plane<Rgb8>*, 2> pictures{};
+  display::Overlay overlay;
+  const std::size_t count = std::min(eyes.size(), pictures.size());
+  for (std::size_t eye = 0; eye < count; ++eye) {
+    pictures[eye] = &eyes[eye];
+    overlay.gaze[eye] = picture_point(rig_.display, rig_.gaze_of(static_cast<int>(eye), head_gaze));
+  }
+  window_->show(std::span(pictures).first(count), overlay);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Screen>> make_window_screen(const ClientConfig& config) {
+  display::WindowOptions options;
+  options.width_px = config.eyes * config.width_px;
+  options.height_px = config.height_px;
+  options.vsync = display::Vsync::Off;  // the refresh clock sets the pace
+  auto window = display::Window::create(options);
+  if (!window) return base::forward(window);
+  const EyeRig rig{eye_display(config), config.eyes, config.ipd, config.convergence};
+  return std::make_unique<WindowScreen>(std::move(*window), rig);
+}
+
+}  // namespace macula::client_app
