@@ -133,19 +133,26 @@ Plane<float> flip_of(const Pair& pair, double pixels_per_degree) {
   return metrics::hdr_flip(pair.reference.linear, pair.test.linear, pixels_per_degree).map;
 }
 
+using Ssim = double(const Plane<Rgb>&, const Plane<Rgb>&);
+/// NaN for pictures in which no window fits.
+double ssim_of(const Pair& pair, Ssim ssim) {
+  const image::Rect size = pair.test.encoded.rect();
+  if (std::min(size.width, size.height) < metrics::kSsimWindow) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  return ssim(pair.reference.encoded, pair.test.encoded);
+}
+
 /// The nine columns everyone relies on.
 Fields headline(const Pair& pair, const metrics::GazedView& view,
                 const metrics::ErrorSummary& flip) {
   const auto& [reference, test] = pair;
-  const bool has_window =
-      std::min(test.encoded.width(), test.encoded.height()) >= metrics::kSsimWindow;
   return {
       {"mse", metrics::mse(reference.linear, test.linear)},
       {"rmse", metrics::rmse(reference.linear, test.linear)},
       {"relmse", metrics::relative_mse(reference.linear, test.linear)},
       {"psnr_db", metrics::psnr_db(reference.encoded, test.encoded)},
-      {"ssim", has_window ? metrics::ssim_luma(reference.encoded, test.encoded)
-                          : std::numeric_limits<double>::quiet_NaN()},
+      {"ssim", ssim_of(pair, metrics::ssim_luma)},
       {"flip", flip.mean},
       {"flip_weighted_median", flip.weighted_median},
       {"ew_psnr_db", metrics::ew_psnr_db(reference.encoded, test.encoded, view)},
@@ -157,13 +164,10 @@ Fields headline(const Pair& pair, const metrics::GazedView& view,
 Fields details(const Pair& pair, const metrics::GazedView& view, const Plane<float>& flip_map,
                const metrics::ErrorSummary& flip) {
   const auto& [reference, test] = pair;
-  const bool has_window =
-      std::min(test.encoded.width(), test.encoded.height()) >= metrics::kSsimWindow;
   const auto weights = metrics::acuity_weights(view, flip_map.width(), flip_map.height());
   return {
       {"mse_8bit", 255.0 * 255.0 * metrics::mse(reference.encoded, test.encoded)},
-      {"ssim_rgb", has_window ? metrics::ssim_rgb(reference.encoded, test.encoded)
-                              : std::numeric_limits<double>::quiet_NaN()},
+      {"ssim_rgb", ssim_of(pair, metrics::ssim_rgb)},
       {"flip_weighted_q1", flip.weighted_q1},
       {"flip_weighted_q3", flip.weighted_q3},
       {"flip_min", flip.min},

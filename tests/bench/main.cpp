@@ -67,7 +67,6 @@ Run declare_compare(CLI::App& command) {
   };
 }
 
-#ifdef MACULA_BENCH_STILL
 /// Options of `still` that are words on the command line and something better in StillOptions.
 struct StillWords {
   std::string mode = "exact", material, grid = "uniform", camera, size, gaze;
@@ -130,35 +129,38 @@ void add_still_picture(CLI::App& command, StillOptions& options, StillWords& wor
       ->option_text("YAW,PITCH");
   command.add_option("--grid", words.grid, "Where the picture is sampled")
       ->check(CLI::IsMember({"uniform", "foveal"}))
-      ->capture_default_str();
+      ->option_text("uniform|foveal (uniform)");
   command.add_option("--aov", words.planes, "Further planes, with commas between")
       ->delimiter(',')
-      ->check(CLI::IsMember(planes));
+      ->check(CLI::IsMember(planes))
+      ->option_text("depth,normal,albedo,id,rate,samples,steps,variance");
   command.add_option("--json", options.json, "Write a report")->option_text("FILE.json");
 }
 
 void add_still_method(CLI::App& command, StillOptions& options, StillWords& words) {
-  command.add_option("--kernel", options.kernel, "How light is computed")->capture_default_str();
+  command.add_option("--kernel", options.kernel, "How light is computed")
+      ->option_text("NAME (auto)");
   command.add_option("--mode", words.mode, "Unbiased, or with every shortcut")
       ->check(CLI::IsMember({"exact", "fast"}))
-      ->capture_default_str();
+      ->option_text("exact|fast (exact)");
   command.add_option("--lspp", options.light_samples, "Area-light samples per primary sample")
       ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
+      ->option_text("N (8)");
   command.add_option("--spp", options.samples_per_cell, "Primary samples per cell")
       ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
+      ->option_text("N (1)");
   command.add_option("--material", words.material, "Replace every material by its base colour")
-      ->check(CLI::IsMember({"lambert"}));
+      ->check(CLI::IsMember({"lambert"}))
+      ->option_text("lambert");
   command.add_option("--bounces", options.bounces, "Diffuse bounces of indirect light")
       ->check(CLI::Range(0, 1))
-      ->capture_default_str();
+      ->option_text("0|1 (0)");
   command.add_option("--rate-model", options.rate_model, "How sampling falls off from the gaze")
-      ->capture_default_str();
-  command.add_option("--seed", options.seed, "Of every random number")->capture_default_str();
-  command.add_option("--threads", options.threads, "0: all the machine has")
+      ->option_text("NAME (cortical)");
+  command.add_option("--seed", options.seed, "Of every random number")->option_text("N (1)");
+  command.add_option("--threads", options.threads, "0 takes all the machine has")
       ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
+      ->option_text("N (0)");
 }
 
 Run declare_still(CLI::App& command) {
@@ -173,12 +175,8 @@ Run declare_still(CLI::App& command) {
   };
 }
 
-#endif
-
 constexpr Experiment kExperiments[] = {
-#ifdef MACULA_BENCH_STILL
     {"still", "One view of a scene for one eye, as a picture", declare_still},
-#endif
     {"compare", "Every metric on two pictures", declare_compare},
 };
 
@@ -187,10 +185,10 @@ int complain(const Error& error) {
   return error.exit_status();
 }
 
-/// A first word that is no option must be an experiment.
+/// The first word must be an experiment or ask for help.
 Result<void> check_experiment(int argc, const char* const* argv) {
   const std::string_view word = argc < 2 ? "" : argv[1];
-  if (word.starts_with('-')) return {};
+  if (word == "-h" || word == "--help") return {};
   std::string names;
   for (const Experiment& entry : kExperiments) {
     if (entry.name == word) return {};
@@ -225,7 +223,7 @@ int run(int argc, const char* const* argv) {
     if (const auto done = start(); !done) return complain(done.error());
   }
   if (std::fflush(stdout) != 0)
-    return complain({"standard output is closed", {}, {}, base::ErrorKind::Runtime});
+    return complain({"standard output cannot be written", {}, {}, base::ErrorKind::Runtime});
   return 0;
 }
 

@@ -106,6 +106,24 @@ TEST_F(Program, RefusesBadArgumentsWithOneLine) {
   }
 }
 
+TEST_F(Program, RefusesAStillThatCannotBeMeant) {
+  const std::vector<std::string> fine = {"still", "--scene", "cornell", "--out", path("a.png")};
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--size", "0x0"},
+                                                {"--mode", "quick"},
+                                                {"--aov", "depth,smell"},
+                                                {"--camera", "0,0,0;0,0,0;0,1,0;60"},
+                                                {"--gaze", "200,0"},
+                                                {"--bounces", "2"}}) {
+    std::vector<std::string> arguments = fine;
+    arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+    const Finished run = bench(arguments);
+    EXPECT_EQ(run.status, 2) << wrong[0];
+    EXPECT_TRUE(is_one_line(run.err)) << run.err;
+    EXPECT_TRUE(contains(run.err, wrong[0])) << run.err;
+  }
+  EXPECT_EQ(bench({"still", "--out", path("a.png")}).status, 2) << "no scene";
+}
+
 TEST_F(Program, NamesAMissingPictureAndWhatToDo) {
   const std::string a = grey_png("a.png", 100);
   for (const char* name : {"missing.png", "missing.exr"}) {
