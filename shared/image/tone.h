@@ -1,5 +1,5 @@
 // Tone: the one place where scene radiance becomes display values and back. exposure, then a curve,
-// then the sRGB transfer function, then 8 bits. Non-finite or negative radiance encodes as black.
+// then the sRGB transfer function, then 8 bits. A channel that is not finite or negative encodes as 0.
 #pragma once
 
 #include "shared/image/color.h"
