@@ -31,7 +31,8 @@ HWY_INLINE HWY_ATTR FloatVec filmic(FloatVec x) {
   return hn::Div(over, hn::Add(under, hn::Set(d, 0.14F)));
 }
 
-HWY_INLINE HWY_ATTR void store_codes(FloatVec linear, const std::int32_t* table, std::uint8_t* codes) {
+HWY_INLINE HWY_ATTR void store_codes(FloatVec linear, const std::int32_t* table,
+                                     std::uint8_t* codes) {
   const Floats d;
   const hn::RebindToSigned<Floats> di;
   const hn::Rebind<std::uint8_t, Floats> du8;
