@@ -48,7 +48,7 @@ void FrameSender::progress(const Now& now, const Sink& sink, std::vector<FrameSe
     }
     if (pending.stage == Stage::Done) {
       if (!pending.reported) report(pending, now.server(), ended);
-      last_sent_->first_byte = *pending.first_byte;
+      last_sent_->first_byte = pending.first_byte;
       frames_.pop_front();
     }
   }
@@ -111,7 +111,7 @@ void FrameSender::advance(Pending& pending) const {
 void FrameSender::report(Pending& pending, ServerTime now, std::vector<FrameSent>& ended) {
   const FrameBegin& begin = pending.frame.begin;
   pending.reported = true;
-  last_sent_ = Sent{begin.epoch, begin.frame, pending.handed_over, now, {}, 0};
+  last_sent_ = Sent{begin.epoch, begin.frame, pending.handed_over, now, std::nullopt, 0};
   for (const Payload& payload : pending.frame.payloads) last_sent_->bytes += payload->size();
   ended.push_back({peer_, begin.epoch, begin.frame, pending.handed_over, now, false});
 }
@@ -134,8 +134,8 @@ void FrameSender::lose_all(ServerTime now, std::vector<FrameSent>& ended) {
 void FrameSender::acknowledged(const Acks& acks, SteadyTime now) {
   if (!last_sent_ || acks.epoch != last_sent_->epoch || acks.received != last_sent_->frame) return;
   const double bytes = static_cast<double>(std::exchange(last_sent_->bytes, 0));
-  if (bytes < kSlowLinkPartBytes || last_sent_->first_byte == SteadyTime{}) return;
-  const double seconds = std::chrono::duration<double>(now - last_sent_->first_byte).count();
+  if (bytes < kSlowLinkPartBytes || !last_sent_->first_byte) return;
+  const double seconds = std::chrono::duration<double>(now - *last_sent_->first_byte).count();
   const bool is_fast = bytes > kFastLink_bytes_per_s * seconds;
   // The size changes between messages only: an offered envelope names its own offset, not its size.
   part_bytes_ =

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "shared/net/outgoing.h"
 #include "shared/net/server_endpoint.h"
 #include "shared/net/wakeup.h"
-#include "shared/net/zmq_socket.h"
 
 namespace macula::net {
 
@@ -67,7 +67,7 @@ class FrameSender {
     std::uint32_t epoch = 0;
     std::uint64_t frame = 0;
     ServerTime begin, end;
-    SteadyTime first_byte;
+    std::optional<SteadyTime> first_byte;
     std::size_t bytes = 0;
   };
 

@@ -12,11 +12,13 @@
 namespace macula::net {
 namespace {
 
-// Stated in the wire's rules: a heartbeat is cancelled only by a complete part, so its time-out
-// must cover a 64 KiB part on the slowest link; staleness comes from the application's own Beat.
+// ZMTP heartbeats stay off. In libzmq 4.3.4 a damaged flags byte can stop an engine's input without
+// an error; when its peer then closes, the heartbeat timer runs into an assertion and the whole
+// process aborts. The application's Pings and Beats tell who is alive, and TCP gives up on data
+// that nobody acknowledges.
+constexpr int kHeartbeat_ms = 0;
+constexpr int kUnacknowledged_ms = 5000;
 constexpr int kHandshake_ms = 2000;
-constexpr int kHeartbeat_ms = 250;
-constexpr int kHeartbeatTimeout_ms = 3000;
 constexpr int kConnectTimeout_ms = 800;
 constexpr int kReconnect_ms = 100;
 constexpr int kReconnectMost_ms = 1000;
@@ -219,7 +221,7 @@ void set_common_options(Socket& socket, const Limits& limits) {
   socket.set(ZMQ_IMMEDIATE, 1);
   socket.set(ZMQ_HANDSHAKE_IVL, kHandshake_ms);
   socket.set(ZMQ_HEARTBEAT_IVL, kHeartbeat_ms);
-  socket.set(ZMQ_HEARTBEAT_TIMEOUT, kHeartbeatTimeout_ms);
+  socket.set(ZMQ_TCP_MAXRT, kUnacknowledged_ms);
   socket.set(ZMQ_CONNECT_TIMEOUT, kConnectTimeout_ms);
   socket.set(ZMQ_RECONNECT_IVL, kReconnect_ms);
   socket.set(ZMQ_RECONNECT_IVL_MAX, kReconnectMost_ms);

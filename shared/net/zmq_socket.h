@@ -13,6 +13,7 @@
 
 #include "shared/base/result.h"
 #include "shared/net/messages.h"
+#include "shared/net/outgoing.h"
 #include "shared/net/wakeup.h"
 
 namespace macula::net {
@@ -50,19 +51,6 @@ class Part {
 
  private:
   mutable zmq_msg_t message_;
-};
-
-/// What leaves as one message: an envelope and perhaps a piece of a payload.
-struct Outgoing {
-  std::string_view envelope;
-  Payload payload;  ///< null: one part only
-  std::size_t offset = 0, size = 0;
-};
-
-enum class SendOutcome {
-  Sent,
-  Full,         ///< the queue to this peer has no room now
-  Unreachable,  ///< this peer is gone
 };
 
 /// A received message; parts beyond the array are thrown away and only counted.

@@ -1,5 +1,5 @@
-// A server and clients on loopback with keys in a folder of their own, and frames to send. For tests of
-// the wire; sessions are played by the test itself.
+// A server and clients on loopback with keys in a folder of their own, and frames to send. For
+// tests of the wire; sessions are played by the test itself.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -61,7 +61,11 @@ inline EncodedFrame make_frame(std::uint32_t epoch, std::uint64_t frame, std::si
   view.display_fov = small_display().fov;
   view.grid = foveation::make_uniform_grid(small_display());
   encoded.begin.views.push_back(view);
-  encoded.begin.slices.push_back({0, 0, PlaneKind::Color, SliceCodec::Jpeg, {0, 0, 64, 64},
+  encoded.begin.slices.push_back({0,
+                                  0,
+                                  PlaneKind::Color,
+                                  SliceCodec::Jpeg,
+                                  {0, 0, 64, 64},
                                   static_cast<std::uint32_t>(bytes)});
   encoded.payloads.push_back(std::move(payload));
   return encoded;
