@@ -30,7 +30,7 @@ float tile_size_m(float distance_m) {
 Index surface(SceneBuilder& builder, const std::string& name, const Palette& palette,
               std::uint64_t seed) {
   Field field = noise(kTextureSize, {.cells = 2, .octaves = 6}, seed);
-  for (float& value : field.pixels()) value = 0.5F + 0.6F * value;
+  for (float& value : field.pixels()) value = 0.5F + 0.9F * value;
   return builder.add(textured(name, builder.add(colored(name, field, palette))));
 }
 
@@ -112,6 +112,7 @@ Scene posts(std::uint64_t seed) {
   Settings& settings = builder.settings();
   settings.ambient = Rgb{0.35F, 0.36F, 0.38F};
   settings.ambient_distance_m = 1.5;
+  settings.tone.exposure_ev = 0.7F;
   builder.add(
       Camera{"stage", math::look_at({0.0, 1.6, 0.0}, {0.0, 1.35, -2.5}, {0, 1, 0}), Degrees{60.0}});
   return std::move(builder).finish();
