@@ -35,11 +35,12 @@ struct Vertex {
 
 class Tracer {
  public:
-  Tracer(const SceneFrame& scene, const KernelOptions& options) : scene_(scene), options_(options) {}
+  Tracer(const SceneFrame& scene, const KernelOptions& options)
+      : scene_(scene), options_(options) {}
 
   Vertex vertex(const shading::Surface& surface, const Vec3& to_eye) const {
-    const auto model = options_.lambert_only ? shading::MaterialModel::Lambert
-                                             : shading::MaterialModel::AsInScene;
+    const auto model =
+        options_.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene;
     Vertex vertex{surface, {}, Rgb{0.0F}};
     vertex.reflector = shading::Reflector(
         scene_.materials().bsdf(surface.material, surface.uv, 0.0F, model),
@@ -85,14 +86,16 @@ class Tracer {
     return sum;
   }
 
-  /// Triangles are drawn all alike and points by folding the square: nothing of LightList's sampling.
+  /// Triangles are drawn all alike and points by folding the square: nothing of LightList's
+  /// sampling.
   Rgb from_emissive(const Vertex& vertex, RandomStream& random) {
     const auto lights = scene_.lights().emissive();
     if (lights.empty()) return Rgb{0.0F};
     Rgb sum{0.0F};
     for (int k = 0; k < options_.area_light_samples; ++k) {
       const auto count = static_cast<float>(lights.size());
-      const auto index = std::min(static_cast<std::size_t>(random.next() * count), lights.size() - 1);
+      const auto index =
+          std::min(static_cast<std::size_t>(random.next() * count), lights.size() - 1);
       float b1 = random.next(), b2 = random.next();
       if (b1 + b2 > 1.0F) b1 = 1.0F - b1, b2 = 1.0F - b2;
       sum += count * from_light_point(vertex, static_cast<std::uint32_t>(index), {b1, b2});
@@ -114,8 +117,7 @@ class Tracer {
     const Vec3 origin = leave(vertex);
     const Vec3 end = visibility::offset_ray_origin(Vec3(point), light.normal);
     if (!open(origin, end - origin, 1.0F)) return Rgb{0.0F};
-    const Rgb emission =
-        scene_.lights().emission(index, b, scene_.surfaces(), scene_.materials());
+    const Rgb emission = scene_.lights().emission(index, b, scene_.surfaces(), scene_.materials());
     return value * emission * (cos_light * light.area_m2 / (distance * distance));
   }
 
@@ -128,7 +130,8 @@ class Tracer {
       const Vec3 direction = cosine_direction(vertex.reflector.frame(), random);
       open_count += open(leave(vertex), direction, static_cast<float>(settings.ambient_distance_m));
     }
-    const float share = static_cast<float>(open_count) / static_cast<float>(options_.ambient_samples);
+    const float share =
+        static_cast<float>(open_count) / static_cast<float>(options_.ambient_samples);
     return settings.ambient * vertex.reflector.reflectance() * share;
   }
   /// A point of the unit sphere plus the normal is cosine-distributed about the normal.
@@ -215,8 +218,8 @@ class RowRun {
   Vertex vertex_of(const visibility::Hit& hit) {
     const shading::Surface surface =
         scene_.surfaces().at(hit.instance, hit.triangle, {hit.u, hit.v});
-    return tracer_.vertex(
-        surface, Vec3(glm::normalize(view_.world_from_view.position - surface.position)));
+    return tracer_.vertex(surface,
+                          Vec3(glm::normalize(view_.world_from_view.position - surface.position)));
   }
 
   Rgb radiance(int x, int y, std::uint64_t key, int s) {
@@ -251,9 +254,9 @@ class RowRun {
       out_.normal(x, y) = hit ? vertex.reflector.frame().shading : Vec3{0.0F};
     }
     if (wanted_ & kAlbedo) {
-      out_.albedo(x, y) = hit ? scene_.materials().base_color(vertex.surface.material,
-                                                              vertex.surface.uv, 0.0F)
-                              : Rgb{0.0F};
+      out_.albedo(x, y) =
+          hit ? scene_.materials().base_color(vertex.surface.material, vertex.surface.uv, 0.0F)
+              : Rgb{0.0F};
     }
   }
 

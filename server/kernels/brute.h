@@ -1,7 +1,7 @@
-// Kernel `brute`: the reference every other kernel is held to. One ray at a time, independent random
-// numbers, every light, no cleverness: its value is that it shares no estimator, no batching and no
-// sample sequence with the others (only the scene's tables and the BSDF, which have tests of their
-// own). Exact in both modes; slow.
+// Kernel `brute`: the reference every other kernel is held to. One ray at a time, independent
+// random numbers, every light, no cleverness: its value is that it shares no estimator, no batching
+// and no sample sequence with the others (only the scene's tables and the BSDF, which have tests of
+// their own). Exact in both modes; slow.
 #pragma once
 
 #include "server/kernels/kernel.h"

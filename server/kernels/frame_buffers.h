@@ -20,15 +20,15 @@ enum PlaneFlag : unsigned {
 };
 
 struct ViewBuffers {
-  image::Plane<Rgb> radiance;             ///< linear Rec.709
-  image::Plane<float> depth_m;            ///< -z in view space; +infinity: nothing hit
-  image::Plane<std::uint32_t> surface_id; ///< instance index + 1; 0: nothing hit
-  image::Plane<Vec3> normal;              ///< unit, world, shading normal
+  image::Plane<Rgb> radiance;              ///< linear Rec.709
+  image::Plane<float> depth_m;             ///< -z in view space; +infinity: nothing hit
+  image::Plane<std::uint32_t> surface_id;  ///< instance index + 1; 0: nothing hit
+  image::Plane<Vec3> normal;               ///< unit, world, shading normal
   image::Plane<Rgb> albedo;
-  image::Plane<Vec2> motion;              ///< cells since the last frame
-  image::Plane<float> rate;               ///< samples per nominal display pixel that were wanted
-  image::Plane<float> variance;           ///< of the mean luminance
-  image::Plane<float> samples;            ///< samples taken in the cell
+  image::Plane<Vec2> motion;     ///< cells since the last frame
+  image::Plane<float> rate;      ///< samples per nominal display pixel that were wanted
+  image::Plane<float> variance;  ///< of the mean luminance
+  image::Plane<float> samples;   ///< samples taken in the cell
 };
 
 struct FrameBuffers {

@@ -39,18 +39,19 @@ struct FrameReport {
   std::uint64_t primary_rays = 0;
   std::uint64_t shadow_rays = 0;
   std::uint64_t non_finite_samples = 0;  ///< replaced by black and counted
-  double trace_ms = 0.0, shade_ms = 0.0;  ///< thread-summed shares of the frame where a kernel has them
+  double trace_ms = 0.0,
+         shade_ms = 0.0;  ///< thread-summed shares of the frame where a kernel has them
   std::vector<std::string> biased_shortcuts;  ///< empty in mode exact
 };
 
 /// A point to shade, e.g. of the second layer: what a ray hit, and where it came from.
 struct SurfacePoint {
-  DVec3 position{0.0};            ///< world, meters
-  Vec3 geometric_normal{0.0F};    ///< unit, world, towards the eye
-  Vec3 to_eye{0.0F};              ///< unit, world
+  DVec3 position{0.0};          ///< world, meters
+  Vec3 geometric_normal{0.0F};  ///< unit, world, towards the eye
+  Vec3 to_eye{0.0F};            ///< unit, world
   std::uint32_t instance = 0, triangle = 0;
   Vec2 barycentric{0.0F};
-  float footprint_m = 0.0F;       ///< width of the cell at the point, for texture filtering
+  float footprint_m = 0.0F;  ///< width of the cell at the point, for texture filtering
   /// Identity of its random numbers; sampling::SampleKey(seed, frame, PixelGrid::cell_key).value
   /// repeats those of the first sample of that cell.
   std::uint64_t key = 0;

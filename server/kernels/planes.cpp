@@ -40,7 +40,8 @@ scheduling::Outcome fill_rate(const FrameRequest& request, TileScheduler& schedu
   for (std::size_t v = 0; v < request.views.size(); ++v) {
     const auto rows = static_cast<std::size_t>(request.views[v].grid.height());
     const auto outcome = scheduler.run(rows, [&](std::size_t y) {
-      request.foveation.rate_row(v, static_cast<int>(y), out.views[v].rate.row(static_cast<int>(y)));
+      request.foveation.rate_row(v, static_cast<int>(y),
+                                 out.views[v].rate.row(static_cast<int>(y)));
     });
     if (outcome == scheduling::Outcome::Stopped) return outcome;
   }

@@ -5,8 +5,8 @@
 
 namespace macula::kernels {
 
-/// Gives every view of `out` the planes that are wanted, at its grid's size; the others are emptied.
-/// Motion is left to kernels that keep a history. Keeps memory of equal size.
+/// Gives every view of `out` the planes that are wanted, at its grid's size; the others are
+/// emptied. Motion is left to kernels that keep a history. Keeps memory of equal size.
 void prepare_buffers(std::span<const View> views, FrameBuffers& out);
 /// Writes the wanted rate of every cell where kRate is set.
 scheduling::Outcome fill_rate(const FrameRequest& request, TileScheduler& scheduler,

@@ -25,7 +25,8 @@ constexpr std::array kTable{
 
 std::string list_of_names() {
   std::string names;
-  for (const KernelEntry& entry : kTable) names += (names.empty() ? "" : ", ") + std::string(entry.name);
+  for (const KernelEntry& entry : kTable)
+    names += (names.empty() ? "" : ", ") + std::string(entry.name);
   return names;
 }
 
@@ -40,16 +41,18 @@ Result<void> check(const KernelEntry& entry, const KernelOptions& options) {
   if (auto ok = least(options.ambient_samples, 0, "ambient samples"); !ok) return ok;
   if (auto ok = least(options.bounces, 0, "bounces"); !ok) return ok;
   if (options.bounces > entry.most_bounces) {
-    return base::bad_input(base::concat("bounces is ", options.bounces), std::string(entry.name),
-                           base::concat("this kernel does at most ", entry.most_bounces,
-                                        "; kernel brute does 1"));
+    return base::bad_input(
+        base::concat("bounces is ", options.bounces), std::string(entry.name),
+        base::concat("this kernel does at most ", entry.most_bounces, "; kernel brute does 1"));
   }
   return {};
 }
 
 }  // namespace
 
-std::span<const KernelEntry> kernel_table() { return kTable; }
+std::span<const KernelEntry> kernel_table() {
+  return kTable;
+}
 
 Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options) {
   for (const KernelEntry& entry : kTable) {

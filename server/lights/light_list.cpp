@@ -23,9 +23,12 @@ float spot_falloff(const scene::Light& light, const Vec3& to_light) {
 
 double weight(const EmissiveTriangle& light, Selection selection) {
   switch (selection) {
-    case Selection::ByPower: return light.area_m2 * image::luminance(light.mean_emission);
-    case Selection::ByArea: return light.area_m2;
-    case Selection::Alike: return 1.0;
+    case Selection::ByPower:
+      return light.area_m2 * image::luminance(light.mean_emission);
+    case Selection::ByArea:
+      return light.area_m2;
+    case Selection::Alike:
+      return 1.0;
   }
   return 0.0;
 }
@@ -58,8 +61,7 @@ std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point) {
   if (!(distance2 > 0.0)) return std::nullopt;
   const double distance = std::sqrt(distance2);
   const Vec3 to_light(towards / distance);
-  const float falloff =
-      light.kind == scene::LightKind::Spot ? spot_falloff(light, to_light) : 1.0F;
+  const float falloff = light.kind == scene::LightKind::Spot ? spot_falloff(light, to_light) : 1.0F;
   if (falloff <= 0.0F) return std::nullopt;
   return Arrival{to_light, static_cast<float>(distance),
                  light.intensity * static_cast<float>(falloff / distance2)};

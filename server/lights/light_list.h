@@ -1,7 +1,8 @@
-// LightList: every light of a scene, ready to be asked. Punctual lights follow glTF (KHR_lights_punctual)
-// and answer with the light that arrives at a point; emissive triangles are one-sided area lights and
-// answer with points on them, drawn with an exactly known density. World space, meters, linear
-// Rec.709. Immutable; safe from any thread; holds copies, not the scene. Visibility is the caller's.
+// LightList: every light of a scene, ready to be asked. Punctual lights follow glTF
+// (KHR_lights_punctual) and answer with the light that arrives at a point; emissive triangles are
+// one-sided area lights and answer with points on them, drawn with an exactly known density. World
+// space, meters, linear Rec.709. Immutable; safe from any thread; holds copies, not the scene.
+// Visibility is the caller's.
 #pragma once
 
 #include <optional>
@@ -16,20 +17,20 @@ namespace macula::lights {
 
 /// Light arriving from a punctual light, were nothing in the way.
 struct Arrival {
-  Vec3 to_light{0.0F};     ///< unit, from the point towards the light
-  float distance_m = 0.0F; ///< +infinity for a directional light
-  Rgb irradiance{0.0F};    ///< W/m^2 on a surface that faces the light
+  Vec3 to_light{0.0F};      ///< unit, from the point towards the light
+  float distance_m = 0.0F;  ///< +infinity for a directional light
+  Rgb irradiance{0.0F};     ///< W/m^2 on a surface that faces the light
 };
 /// nullopt where nothing arrives: outside a spot's cone, or exactly at the light (d = 0, where the
 /// inverse square law has no value; a sample there is dropped).
 std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point);
 
 struct EmissiveTriangle {
-  DVec3 position{0.0};              ///< first vertex
-  Vec3 edge1{0.0F}, edge2{0.0F};    ///< to the second and third
-  Vec3 normal{0.0F};                ///< unit, the side it shines to
-  float area_m2 = 0.0F;             ///< > 0: degenerate triangles are left out
-  Rgb mean_emission{0.0F};          ///< radiance, W/(sr m^2), averaged over the texture
+  DVec3 position{0.0};            ///< first vertex
+  Vec3 edge1{0.0F}, edge2{0.0F};  ///< to the second and third
+  Vec3 normal{0.0F};              ///< unit, the side it shines to
+  float area_m2 = 0.0F;           ///< > 0: degenerate triangles are left out
+  Rgb mean_emission{0.0F};        ///< radiance, W/(sr m^2), averaged over the texture
   scene::Index instance = 0, triangle = 0, material = 0;
 };
 

@@ -77,8 +77,8 @@ std::optional<BsdfSample> Reflector::sample(const Vec3& u) const {
     const Vec3 view = to_local(frame_.to_eye, frame_.shading);
     const Vec3 half = ggx_sample_half({view.x, view.y, cos_v_}, bsdf_.alpha, {u.y, u.z});
     const Vec3 half_world = sampling::frame_from_normal(frame_.shading) * half;
-    sample.to_light = glm::normalize(
-        2.0F * glm::dot(frame_.to_eye, half_world) * half_world - frame_.to_eye);
+    sample.to_light =
+        glm::normalize(2.0F * glm::dot(frame_.to_eye, half_world) * half_world - frame_.to_eye);
   } else {
     sample.to_light =
         sampling::frame_from_normal(frame_.shading) * sampling::cosine_hemisphere({u.y, u.z});

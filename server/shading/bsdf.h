@@ -23,10 +23,10 @@ struct Bsdf {
   bool glossy() const { return f90 > 0.0F || f0.x > 0.0F || f0.y > 0.0F || f0.z > 0.0F; }
 };
 
-/// The normals at a point. Rule for shading normals: `geometric` is turned towards the eye and alone
-/// decides which side light arrives on (no leaking through the surface); `shading` is turned to the
-/// same side and, where the eye lies below its horizon, bent towards the eye until it lies just
-/// above (no black rims). Cosines and lobes use `shading`.
+/// The normals at a point. Rule for shading normals: `geometric` is turned towards the eye and
+/// alone decides which side light arrives on (no leaking through the surface); `shading` is turned
+/// to the same side and, where the eye lies below its horizon, bent towards the eye until it lies
+/// just above (no black rims). Cosines and lobes use `shading`.
 struct ShadingFrame {
   Vec3 geometric{0.0F, 0.0F, 1.0F};
   Vec3 shading{0.0F, 0.0F, 1.0F};
@@ -47,13 +47,15 @@ class Reflector {
   Reflector() = default;
   Reflector(const Bsdf& bsdf, const ShadingFrame& frame);
 
-  /// f(to_eye, to_light) times the cosine at the shading normal; 0 for light from below either normal.
+  /// f(to_eye, to_light) times the cosine at the shading normal; 0 for light from below either
+  /// normal.
   Rgb evaluate(const Vec3& to_light) const;
   /// Share of a uniform environment that is reflected to the eye: at most 1 a channel.
   const Rgb& reflectance() const { return reflectance_; }
   /// u in [0, 1)^3: the first chooses the lobe. nullopt where the direction reflects nothing.
   std::optional<BsdfSample> sample(const Vec3& u) const;
-  /// Density of sample() over the whole sphere, 1/sr; 1 in total, also counting rejected directions.
+  /// Density of sample() over the whole sphere, 1/sr; 1 in total, also counting rejected
+  /// directions.
   float pdf(const Vec3& to_light) const;
   const ShadingFrame& frame() const { return frame_; }
 
@@ -64,7 +66,7 @@ class Reflector {
   ShadingFrame frame_;
   bool glossy_ = false;
   float cos_v_ = 1.0F;
-  Rgb diffuse_{0.0F};      ///< everything of the diffuse term that does not depend on the light
+  Rgb diffuse_{0.0F};  ///< everything of the diffuse term that does not depend on the light
   Rgb reflectance_{0.0F};
   float lobe_share_ = 0.0F;  ///< probability of sampling the lobe
 };

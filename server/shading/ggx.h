@@ -1,7 +1,8 @@
 // The GGX microfacet lobe in its local frame, z along the normal: distribution, Smith's
-// height-correlated masking and sampling of visible normals. Directions are unit and point away from
-// the surface. Sources: Walter et al. (2007); Heitz (2014), "Understanding the Masking-Shadowing
-// Function", eq. 99; Heitz (2018), "Sampling the GGX Distribution of Visible Normals".
+// height-correlated masking and sampling of visible normals. Directions are unit and point away
+// from the surface. Sources: Walter et al. (2007); Heitz (2014), "Understanding the
+// Masking-Shadowing Function", eq. 99; Heitz (2018), "Sampling the GGX Distribution of Visible
+// Normals".
 #pragma once
 
 #include <algorithm>
@@ -45,17 +46,16 @@ inline float schlick_weight(float cos_view_half) {
 inline Vec3 ggx_sample_half(const Vec3& view, float alpha, const Vec2& u) {
   const Vec3 stretched = glm::normalize(Vec3(alpha * view.x, alpha * view.y, view.z));
   const float horizontal = stretched.x * stretched.x + stretched.y * stretched.y;
-  const Vec3 t1 = horizontal > 0.0F
-                      ? Vec3(-stretched.y, stretched.x, 0.0F) / std::sqrt(horizontal)
-                      : Vec3(1.0F, 0.0F, 0.0F);
+  const Vec3 t1 = horizontal > 0.0F ? Vec3(-stretched.y, stretched.x, 0.0F) / std::sqrt(horizontal)
+                                    : Vec3(1.0F, 0.0F, 0.0F);
   const Vec3 t2 = glm::cross(stretched, t1);
   const float radius = std::sqrt(u.x), phi = 2.0F * kPi * u.y;
   const float p1 = radius * std::cos(phi);
   const float blend = 0.5F * (1.0F + stretched.z);
-  const float p2 = (1.0F - blend) * std::sqrt(std::max(0.0F, 1.0F - p1 * p1)) +
-                   blend * radius * std::sin(phi);
-  const Vec3 half = p1 * t1 + p2 * t2 +
-                    std::sqrt(std::max(0.0F, 1.0F - p1 * p1 - p2 * p2)) * stretched;
+  const float p2 =
+      (1.0F - blend) * std::sqrt(std::max(0.0F, 1.0F - p1 * p1)) + blend * radius * std::sin(phi);
+  const Vec3 half =
+      p1 * t1 + p2 * t2 + std::sqrt(std::max(0.0F, 1.0F - p1 * p1 - p2 * p2)) * stretched;
   return glm::normalize(Vec3(alpha * half.x, alpha * half.y, std::max(1e-7F, half.z)));
 }
 /// Density of the reflected direction in 1/sr, for view.z > 0; it may lie below the surface.

@@ -7,8 +7,8 @@
 namespace macula::shading {
 namespace {
 
-constexpr int kNodes = 32;         // per axis; linear interpolation errs below 3e-3 (tested)
-constexpr int kSamplesSide = 24;   // stratified samples a side of one node's integral
+constexpr int kNodes = 32;        // per axis; linear interpolation errs below 3e-3 (tested)
+constexpr int kSamplesSide = 24;  // stratified samples a side of one node's integral
 
 float node_value(int i) {
   // Squares put the nodes where the lobe changes fastest: grazing angles and smooth surfaces.
@@ -77,7 +77,9 @@ class Tables {
 
  private:
   GgxAlbedo& at(int i, int j) { return table_[static_cast<std::size_t>(j * kNodes + i)]; }
-  const GgxAlbedo& at(int i, int j) const { return table_[static_cast<std::size_t>(j * kNodes + i)]; }
+  const GgxAlbedo& at(int i, int j) const {
+    return table_[static_cast<std::size_t>(j * kNodes + i)];
+  }
   /// Exact for the piecewise linear table: the integral of (linear) x mu over each interval.
   GgxAlbedo mean_of_row(int j) const {
     GgxAlbedo sum;
@@ -101,7 +103,11 @@ const Tables& tables() {
 
 }  // namespace
 
-GgxAlbedo ggx_albedo(float mu, float alpha) { return tables().directional(mu, alpha); }
-GgxAlbedo ggx_mean_albedo(float alpha) { return tables().mean(alpha); }
+GgxAlbedo ggx_albedo(float mu, float alpha) {
+  return tables().directional(mu, alpha);
+}
+GgxAlbedo ggx_mean_albedo(float alpha) {
+  return tables().mean(alpha);
+}
 
 }  // namespace macula::shading

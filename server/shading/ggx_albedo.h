@@ -1,5 +1,5 @@
-// How much light the GGX lobe reflects: its directional albedo under Schlick's Fresnel term, which is
-// linear in f0 and f90, so that two tables over (cosine, alpha) hold all of it:
+// How much light the GGX lobe reflects: its directional albedo under Schlick's Fresnel term, which
+// is linear in f0 and f90, so that two tables over (cosine, alpha) hold all of it:
 //   E(mu, alpha) = f0 A(mu, alpha) + f90 B(mu, alpha).
 // Karis (2013), "Real Shading in Unreal Engine 4". Made once, on first use (tens of milliseconds).
 #pragma once

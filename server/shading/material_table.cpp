@@ -23,8 +23,8 @@ float footprint_scale(const scene::TextureRef& reference) {
 
 MaterialTable::MaterialTable(const scene::Scene& scene) {
   std::map<std::pair<scene::Index, scene::ColorSpace>, std::size_t> known;
-  const auto look_up = [&](const std::optional<scene::TextureRef>& reference)
-      -> std::optional<Lookup> {
+  const auto look_up =
+      [&](const std::optional<scene::TextureRef>& reference) -> std::optional<Lookup> {
     if (!reference) return std::nullopt;
     MACULA_CHECK(reference->image < scene.images.size(), "import checks image indices");
     const auto [place, added] =

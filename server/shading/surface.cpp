@@ -51,8 +51,8 @@ Surface SurfaceTable::at(scene::Index instance, scene::Index triangle,
   const Vec3 p0 = mesh.positions[t.x];
   const Vec3 e1 = mesh.positions[t.y] - p0, e2 = mesh.positions[t.z] - p0;
   Surface surface;
-  const DVec3 local = DVec3(p0) + static_cast<double>(u) * DVec3(e1) +
-                      static_cast<double>(v) * DVec3(e2);
+  const DVec3 local =
+      DVec3(p0) + static_cast<double>(u) * DVec3(e1) + static_cast<double>(v) * DVec3(e2);
   surface.position = placed.world_from_object * local + placed.translation;
   surface.geometric_normal = unit_or_zero(placed.normal_from_object * glm::cross(e1, e2));
   surface.shading_normal = surface.geometric_normal;

@@ -1,6 +1,6 @@
 // SurfaceTable: where and how a surface lies at a point named by instance, triangle and barycentric
-// coordinates. World space, meters. Immutable; safe from any thread; refers to the scene, which must
-// outlive it.
+// coordinates. World space, meters. Immutable; safe from any thread; refers to the scene, which
+// must outlive it.
 #pragma once
 
 #include <vector>

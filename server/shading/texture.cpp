@@ -73,7 +73,8 @@ std::vector<Vec4> box_reduce(const std::vector<Vec4>& from, int width, int heigh
       for (int j = 0; j < rows.count; ++j) {
         for (int i = 0; i < columns.count; ++i) {
           const float part = share(rows, j) * share(columns, i);
-          sum += part * from[static_cast<std::size_t>((rows.first + j) * width + columns.first + i)];
+          sum +=
+              part * from[static_cast<std::size_t>((rows.first + j) * width + columns.first + i)];
           weight += part;
         }
       }
@@ -102,8 +103,10 @@ Vec4 mean_of(const std::vector<Vec4>& linear) {
 float wrap_coordinate(float t, Wrap wrap) {
   if (!std::isfinite(t)) return 0.0F;
   switch (wrap) {
-    case Wrap::Repeat: return t - std::floor(t);
-    case Wrap::Clamp: return std::clamp(t, 0.0F, 1.0F);
+    case Wrap::Repeat:
+      return t - std::floor(t);
+    case Wrap::Clamp:
+      return std::clamp(t, 0.0F, 1.0F);
     case Wrap::Mirror: {
       const float period = t - 2.0F * std::floor(0.5F * t);
       return period > 1.0F ? 2.0F - period : period;

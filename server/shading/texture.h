@@ -1,7 +1,7 @@
 // Texture: a mip pyramid of one image, read with a footprint. Stored as 8 bits a channel in the
-// image's own encoding (4 bytes a texel, a third more for the pyramid) and decoded by table, so that
-// every filter, in the pyramid and between texels, works on linear values. Immutable; safe to read
-// from any thread. Trilinear filtering after Williams (1983), "Pyramidal Parametrics".
+// image's own encoding (4 bytes a texel, a third more for the pyramid) and decoded by table, so
+// that every filter, in the pyramid and between texels, works on linear values. Immutable; safe to
+// read from any thread. Trilinear filtering after Williams (1983), "Pyramidal Parametrics".
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,8 @@ class Texture {
     int width = 0, height = 0;
     std::size_t first = 0;  ///< index of its top-left texel
   };
-  void append_level(const std::vector<Vec4>& linear, int width, int height, scene::ColorSpace space);
+  void append_level(const std::vector<Vec4>& linear, int width, int height,
+                    scene::ColorSpace space);
   Vec4 texel(const Level& level, int x, int y) const;
   Vec4 bilinear(const Level& level, Vec2 uv, scene::Wrap wrap_u, scene::Wrap wrap_v) const;
 
@@ -41,8 +42,8 @@ class Texture {
   Vec4 mean_{1.0F};
 };
 
-/// The texture coordinates a reference reads at: KHR_texture_transform, uv' = offset + R scale uv with
-/// R = (cos, sin; -sin, cos), counter-clockwise as seen, v pointing down.
+/// The texture coordinates a reference reads at: KHR_texture_transform, uv' = offset + R scale uv
+/// with R = (cos, sin; -sin, cos), counter-clockwise as seen, v pointing down.
 Vec2 transform_uv(const scene::TextureRef& reference, Vec2 uv);
 
 }  // namespace macula::shading

@@ -38,7 +38,8 @@ Result<FileKind> file_kind(const std::string& path) {
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".exr") return FileKind::Exr;
   if (extension == ".png") return FileKind::Png;
-  return bad_input("unknown kind of picture", path, "allowed: .exr (radiance) and .png (tone-mapped)");
+  return bad_input("unknown kind of picture", path,
+                   "allowed: .exr (radiance) and .png (tone-mapped)");
 }
 
 // ---- what is looked at ----
@@ -54,8 +55,8 @@ Result<Shot> explicit_shot(const StillCamera& camera, double meters_per_unit) {
     return bad_input("looks at its own place or along its up vector", "--camera",
                      "eye, target and up must span a plane");
   }
-  const Pose pose = math::look_at(meters_per_unit * camera.eye, meters_per_unit * camera.target,
-                                  camera.up);
+  const Pose pose =
+      math::look_at(meters_per_unit * camera.eye, meters_per_unit * camera.target, camera.up);
   if (!math::is_valid(pose)) return bad_input("is not finite or beyond 1e7 m", "--camera");
   return Shot{pose, camera.vertical_fov};
 }
@@ -98,14 +99,22 @@ struct Job {
 
 unsigned plane_flag(StillPlane plane) {
   switch (plane) {
-    case StillPlane::Depth: return 0;  // always made
-    case StillPlane::Normal: return kernels::kNormal;
-    case StillPlane::Albedo: return kernels::kAlbedo;
-    case StillPlane::Id: return kernels::kSurfaceId;
-    case StillPlane::Rate: return kernels::kRate;
-    case StillPlane::Samples: return kernels::kSamples;
-    case StillPlane::Variance: return kernels::kVariance;
-    case StillPlane::Steps: return 0;  // refused in prepare()
+    case StillPlane::Depth:
+      return 0;  // always made
+    case StillPlane::Normal:
+      return kernels::kNormal;
+    case StillPlane::Albedo:
+      return kernels::kAlbedo;
+    case StillPlane::Id:
+      return kernels::kSurfaceId;
+    case StillPlane::Rate:
+      return kernels::kRate;
+    case StillPlane::Samples:
+      return kernels::kSamples;
+    case StillPlane::Variance:
+      return kernels::kVariance;
+    case StillPlane::Steps:
+      return 0;  // refused in prepare()
   }
   return 0;
 }
@@ -187,8 +196,8 @@ Result<Rendered> render(const Job& job, const StillOptions& options) {
     settings.samples_per_cell = std::min(kSamplesPerPass, options.samples_per_cell - done);
     const auto kernel = kernels::make_kernel(job.kernel, settings);
     if (!kernel) return forward(kernel);
-    const kernels::FrameRequest request{{&job.view, 1}, map, static_cast<std::uint64_t>(pass),
-                                        options.seed};
+    const kernels::FrameRequest request{
+        {&job.view, 1}, map, static_cast<std::uint64_t>(pass), options.seed};
     const auto report = (*kernel)->render(request, *job.scene, history, scheduler, buffers);
     const float share = static_cast<float>(settings.samples_per_cell) /
                         static_cast<float>(options.samples_per_cell);
@@ -259,16 +268,23 @@ Layer scalar_layer(const std::string& name, const char* channel, Plane<float> pl
 
 Layer make_layer(StillPlane plane, const kernels::ViewBuffers& planes, const Job& job) {
   switch (plane) {
-    case StillPlane::Depth: return scalar_layer("depth", "Z", on_display(planes.depth_m, job));
-    case StillPlane::Normal: return vector_layer("normal", on_display(planes.normal, job), "XYZ");
-    case StillPlane::Albedo: return vector_layer("albedo", on_display(planes.albedo, job), "RGB");
+    case StillPlane::Depth:
+      return scalar_layer("depth", "Z", on_display(planes.depth_m, job));
+    case StillPlane::Normal:
+      return vector_layer("normal", on_display(planes.normal, job), "XYZ");
+    case StillPlane::Albedo:
+      return vector_layer("albedo", on_display(planes.albedo, job), "RGB");
     case StillPlane::Id:
-      return scalar_layer("id", "Y", component(on_display(planes.surface_id, job), std::identity{}));
-    case StillPlane::Rate: return scalar_layer("rate", "Y", on_display(planes.rate, job));
-    case StillPlane::Samples: return scalar_layer("samples", "Y", on_display(planes.samples, job));
+      return scalar_layer("id", "Y",
+                          component(on_display(planes.surface_id, job), std::identity{}));
+    case StillPlane::Rate:
+      return scalar_layer("rate", "Y", on_display(planes.rate, job));
+    case StillPlane::Samples:
+      return scalar_layer("samples", "Y", on_display(planes.samples, job));
     case StillPlane::Variance:
       return scalar_layer("variance", "Y", on_display(planes.variance, job));
-    case StillPlane::Steps: break;
+    case StillPlane::Steps:
+      break;
   }
   return {};
 }
@@ -309,8 +325,8 @@ Result<void> write_planes(const StillOptions& options, const Job& job, const Ren
   std::vector<shading::NamedPlane> channels;
   for (const Layer& layer : layers) {
     for (const auto& [name, plane] : layer.channels) channels.push_back({name, &plane});
-    const auto drawn = image::write_png(beside(options.out, "." + layer.name + ".png"),
-                                        picture_of(layer));
+    const auto drawn =
+        image::write_png(beside(options.out, "." + layer.name + ".png"), picture_of(layer));
     if (!drawn) return drawn;
   }
   return shading::write_exr_layers(beside(options.out, ".planes.exr"), channels);

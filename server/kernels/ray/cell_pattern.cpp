@@ -7,7 +7,8 @@
 namespace macula::kernels::ray {
 namespace {
 
-constexpr std::uint32_t kPositionDimension = 0;  // and the 2 x samples that follow: kLast in lighting
+constexpr std::uint32_t kPositionDimension =
+    0;  // and the 2 x samples that follow: kLast in lighting
 
 int side_of_square(int count) {
   const int side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(count))));

@@ -12,9 +12,9 @@ class CellPattern {
   CellPattern(int samples, Placement placement);
 
   int samples() const { return samples_; }
-  /// Of sample s in [0, samples): in [0, 1]^2. A square count puts one sample into every one of k x k
-  /// equal parts, at its centre when fixed; other counts are a Sobol sequence, scrambled by `key` when
-  /// jittered. Uniform in the cell over keys when jittered.
+  /// Of sample s in [0, samples): in [0, 1]^2. A square count puts one sample into every one of k x
+  /// k equal parts, at its centre when fixed; other counts are a Sobol sequence, scrambled by `key`
+  /// when jittered. Uniform in the cell over keys when jittered.
   Vec2 position(sampling::SampleKey key, int s) const;
   /// The sample that speaks for the cell in planes which cannot be averaged: the one nearest to the
   /// centre of a square pattern, else the first.

@@ -11,7 +11,7 @@ enum class Placement { Fixed, Jittered };
 
 struct Config {
   Mode mode = Mode::Fast;
-  int samples_per_cell = 1;    ///< primary rays a cell, >= 1
+  int samples_per_cell = 1;  ///< primary rays a cell, >= 1
   Placement placement = Placement::Jittered;
   int area_light_samples = 8;  ///< shadow rays to emissive triangles per primary ray, >= 1
   int ambient_samples = 4;     ///< occlusion rays per primary ray; 0: no ambient term
@@ -19,13 +19,13 @@ struct Config {
 };
 
 inline Config make_config(const KernelOptions& options) {
-  return {options.mode,
-          options.samples_per_cell,
-          options.jitter ? Placement::Jittered : Placement::Fixed,
-          options.area_light_samples,
-          options.ambient_samples,
-          options.lambert_only ? shading::MaterialModel::Lambert
-                               : shading::MaterialModel::AsInScene};
+  return {
+      options.mode,
+      options.samples_per_cell,
+      options.jitter ? Placement::Jittered : Placement::Fixed,
+      options.area_light_samples,
+      options.ambient_samples,
+      options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene};
 }
 
 }  // namespace macula::kernels::ray

@@ -44,7 +44,9 @@ class ShadowBatch {
   Rgb contribution_[visibility::kStreamCapacity];
 };
 
-bool is_black(const Rgb& c) { return c.x == 0.0F && c.y == 0.0F && c.z == 0.0F; }
+bool is_black(const Rgb& c) {
+  return c.x == 0.0F && c.y == 0.0F && c.z == 0.0F;
+}
 
 /// Where rays leave a lit point: the side of the surface that faces the eye.
 Vec3 ray_origin(const LitPoint& point) {
@@ -136,8 +138,7 @@ void Lighting::add_ambient(int k, std::span<const LitPoint> points, std::span<Rg
     // exactly the whole environment.
     const float height = glm::dot(direction, frame.geometric);
     if (height < 0.0F) direction -= 2.0F * height * frame.geometric;
-    batch.push(i, ray_origin(points[i]), direction,
-               static_cast<float>(settings.ambient_distance_m),
+    batch.push(i, ray_origin(points[i]), direction, static_cast<float>(settings.ambient_distance_m),
                share * points[i].reflector.reflectance());
   }
   batch.resolve(scene_.triangles(), Coherence::Incoherent, radiance, work);

@@ -1,6 +1,6 @@
 // Lighting of a batch of points: punctual lights, emissive triangles, ambient occlusion. Every term
-// is one stream of shadow rays over the whole batch. A point's radiance is summed in a fixed order and
-// depends on that point alone, never on its neighbours in the batch.
+// is one stream of shadow rays over the whole batch. A point's radiance is summed in a fixed order
+// and depends on that point alone, never on its neighbours in the batch.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ namespace macula::kernels::ray {
 
 /// A point to be lit, seen from where its reflector's frame says.
 struct LitPoint {
-  DVec3 position{0.0};           ///< world, meters
+  DVec3 position{0.0};  ///< world, meters
   shading::Reflector reflector;
-  sampling::SampleKey key;       ///< identity of its cell's random numbers
-  std::uint32_t sample = 0;      ///< which primary sample of the cell it is
+  sampling::SampleKey key;   ///< identity of its cell's random numbers
+  std::uint32_t sample = 0;  ///< which primary sample of the cell it is
 };
 
 struct LightingWork {
   std::uint64_t shadow_rays = 0;
-  double trace_ms = 0.0;         ///< time inside visibility queries
+  double trace_ms = 0.0;  ///< time inside visibility queries
 };
 
 class Lighting {

@@ -10,13 +10,13 @@ namespace macula::kernels::ray {
 
 struct ShadingRequest {
   shading::Surface surface;
-  Vec3 to_eye{0.0F};         ///< unit, world
+  Vec3 to_eye{0.0F};  ///< unit, world
   float uv_per_meter = 0.0F;
   float footprint_m = 0.0F;  ///< width of the sample across the ray; 0: textures unfiltered
 
   /// Side of the square of texture space the sample stands for. It grows with the surface's slant
-  /// along one axis only; the square root shares that between blur and aliasing. Slants beyond 1 : 16
-  /// no longer widen it.
+  /// along one axis only; the square root shares that between blur and aliasing. Slants beyond 1 :
+  /// 16 no longer widen it.
   float footprint_uv() const;
 };
 

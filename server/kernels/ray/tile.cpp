@@ -179,17 +179,17 @@ class TileRun {
     }
   }
   /// View depth where the plane of the surface that the guide hit meets the ray through the cell's
-  /// centre: for d along the guide's ray and c along the central one, both with z = -1 in view space,
-  /// n.(t d) = n.(z c). A plane seen too edge-on to be followed that far (beyond a factor of 2 in
-  /// depth) keeps the guide's own depth.
+  /// centre: for d along the guide's ray and c along the central one, both with z = -1 in view
+  /// space, n.(t d) = n.(z c). A plane seen too edge-on to be followed that far (beyond a factor of
+  /// 2 in depth) keeps the guide's own depth.
   float central_depth(std::size_t i) const {
     const float t = hits_.t[i];
     if (context_.pattern.guide_is_central()) return t;
     const Vec3 normal = hits_.normal(static_cast<int>(i));
     const Vec3 central =
         context_.world_from_view * context_.view.grid.ray(cells_[i].x, cells_[i].y);
-    const float ratio = glm::dot(normal, rays_.direction(static_cast<int>(i))) /
-                        glm::dot(normal, central);
+    const float ratio =
+        glm::dot(normal, rays_.direction(static_cast<int>(i))) / glm::dot(normal, central);
     return ratio > 0.5F && ratio < 2.0F ? t * ratio : t;
   }
 

@@ -1,6 +1,6 @@
-// Tile: one 16x16 block of cells of one view, from primary rays to finished planes. Lives on the stack
-// of the thread that runs it. A cell's result is a function of its own rectangle, pose and key, so
-// tiles may be cut anywhere without changing a bit.
+// Tile: one 16x16 block of cells of one view, from primary rays to finished planes. Lives on the
+// stack of the thread that runs it. A cell's result is a function of its own rectangle, pose and
+// key, so tiles may be cut anywhere without changing a bit.
 #pragma once
 
 #include "server/kernels/frame_buffers.h"

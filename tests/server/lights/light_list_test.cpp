@@ -56,9 +56,11 @@ Estimate irradiance_at_origin(const LightList& list, int count, double pdf_facto
 double polygon_irradiance(const std::vector<DVec3>& corners, const DVec3& normal) {
   double sum = 0.0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const DVec3 a = glm::normalize(corners[i]), b = glm::normalize(corners[(i + 1) % corners.size()]);
+    const DVec3 a = glm::normalize(corners[i]),
+                b = glm::normalize(corners[(i + 1) % corners.size()]);
     const DVec3 across = glm::cross(a, b);
-    sum += std::atan2(glm::length(across), glm::dot(a, b)) * glm::dot(glm::normalize(across), normal);
+    sum +=
+        std::atan2(glm::length(across), glm::dot(a, b)) * glm::dot(glm::normalize(across), normal);
   }
   return std::abs(0.5 * sum);
 }
@@ -91,7 +93,8 @@ TEST(LightList, ADiscOnTheAxisLightsByItsClosedForm) {
 
 TEST(LightList, TheBackOfATriangleIsDark) {
   const LightList list =
-      triangles({{-1.0F, 1.0F, -1.0F}, {0.0F, 1.0F, 1.0F}, {1.0F, 1.0F, -1.0F}}, {{0, 1, 2}}).list();
+      triangles({{-1.0F, 1.0F, -1.0F}, {0.0F, 1.0F, 1.0F}, {1.0F, 1.0F, -1.0F}}, {{0, 1, 2}})
+          .list();
   ASSERT_GT(list.emissive()[0].normal.y, 0.0F);
   EXPECT_EQ(irradiance_at_origin(list, 100).mean, 0.0);
 }
@@ -104,7 +107,8 @@ TEST(LightList, AMirroredInstanceShinesFromTheMirroredFront) {
 }
 
 TEST(LightList, TrianglesAreDrawnInProportionToTheirPower) {
-  Lit lit = triangles({{0, 1, 0}, {1, 1, 0}, {0, 1, 1}, {3, 1, 0}, {0, 1, 3}}, {{0, 1, 2}, {0, 3, 4}});
+  Lit lit =
+      triangles({{0, 1, 0}, {1, 1, 0}, {0, 1, 1}, {3, 1, 0}, {0, 1, 3}}, {{0, 1, 2}, {0, 3, 4}});
   const LightList list = lit.list();
   ASSERT_EQ(list.emissive().size(), 2U);
   constexpr int kCount = 10000;
@@ -121,14 +125,16 @@ TEST(LightList, TrianglesAreDrawnInProportionToTheirPower) {
 }
 
 TEST(LightList, DegenerateTrianglesAreLeftOutAndCounted) {
-  const LightList list = triangles({{0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {0, 1, 1}}, {{0, 1, 2}, {0, 1, 3}}).list();
+  const LightList list =
+      triangles({{0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {0, 1, 1}}, {{0, 1, 2}, {0, 1, 3}}).list();
   EXPECT_EQ(list.emissive().size(), 1U);
   EXPECT_EQ(list.degenerate_count(), 1U);
 }
 
 TEST(LightList, ExtremesOfTheUnitSquareStayOnTheTriangles) {
   const LightList list =
-      triangles({{0, 1, 0}, {1, 1, 0}, {0, 1, 1}, {3, 1, 0}, {0, 1, 3}}, {{0, 1, 2}, {0, 3, 4}}).list();
+      triangles({{0, 1, 0}, {1, 1, 0}, {0, 1, 1}, {3, 1, 0}, {0, 1, 3}}, {{0, 1, 2}, {0, 3, 4}})
+          .list();
   for (const float u : {0.0F, 0x1.fffffep-1F}) {
     for (const float v : {0.0F, 0x1.fffffep-1F}) {
       const AreaSample sample = list.sample_area({u, v});

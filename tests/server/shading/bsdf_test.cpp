@@ -24,7 +24,8 @@ Reflector seen_from(const Bsdf& bsdf, const Vec3& to_eye) {
 }
 
 Vec3 random_3d(std::uint64_t index) {
-  return {math::unit_float(math::hash_combine(index, 0)), math::unit_float(math::hash_combine(index, 1)),
+  return {math::unit_float(math::hash_combine(index, 0)),
+          math::unit_float(math::hash_combine(index, 1)),
           math::unit_float(math::hash_combine(index, 2))};
 }
 
@@ -38,7 +39,9 @@ Rgb measured_reflectance(const Reflector& reflector, int count) {
   return Rgb(sum / static_cast<double>(count));
 }
 
-Bsdf plastic(float alpha) { return {Rgb{1.0F}, Rgb{0.04F}, 1.0F, alpha}; }
+Bsdf plastic(float alpha) {
+  return {Rgb{1.0F}, Rgb{0.04F}, 1.0F, alpha};
+}
 
 TEST(Bsdf, WhiteLambertReturnsExactlyAllLight) {
   const Reflector reflector = seen_from({Rgb{1.0F}}, direction(0.3F, 1.0F));
@@ -65,7 +68,8 @@ TEST(Bsdf, DiffuseAndLobeTogetherNeverReflectMoreThanTheyReceive) {
 
 // The naive mix, albedo / pi (1 - F) + lobe, must break the rule that the one above keeps.
 TEST(Bsdf, UncompensatedDiffuseUnderALobeGainsEnergyAtGrazingAngles) {
-  const Reflector with_lobe = seen_from({Rgb{0.0F}, Rgb{0.04F}, 1.0F, 0.1F}, direction(0.03F, 0.4F));
+  const Reflector with_lobe =
+      seen_from({Rgb{0.0F}, Rgb{0.04F}, 1.0F, 0.1F}, direction(0.03F, 0.4F));
   const Reflector diffuse = seen_from({Rgb{1.0F}}, direction(0.03F, 0.4F));
   EXPECT_GT(measured_reflectance(with_lobe, 16384).x + 0.95F * diffuse.reflectance().x, 1.1F);
 }
@@ -93,7 +97,8 @@ TEST(Bsdf, SwappingEyeAndLightChangesNothing) {
 
 TEST(Bsdf, DensityOfSamplesIntegratesToOneOverTheSphere) {
   for (const float alpha : {0.15F, 0.5F, 1.0F}) {
-    const Reflector reflector = seen_from({Rgb{0.4F}, Rgb{0.3F}, 1.0F, alpha}, direction(0.4F, 0.3F));
+    const Reflector reflector =
+        seen_from({Rgb{0.4F}, Rgb{0.3F}, 1.0F, alpha}, direction(0.4F, 0.3F));
     constexpr int kRows = 800, kColumns = 800;
     double sum = 0.0;
     for (int row = 0; row < kRows; ++row) {
@@ -123,10 +128,11 @@ double chi_square_ratio(const Reflector& sampled, const Reflector& stated, int c
   constexpr int kFine = 24;
   for (int row = 0; row < kCosineBins * kFine; ++row) {
     for (int column = 0; column < kPhiBins * kFine; ++column) {
-      const Vec3 d = direction((static_cast<float>(row) + 0.5F) / (kCosineBins * kFine),
-                               kPi * (2.0F * (static_cast<float>(column) + 0.5F) / (kPhiBins * kFine) - 1.0F));
-      expected[bin_of(d)] += stated.pdf(d) * 2.0 * std::numbers::pi * count /
-                             (kCosineBins * kPhiBins * kFine * kFine);
+      const Vec3 d =
+          direction((static_cast<float>(row) + 0.5F) / (kCosineBins * kFine),
+                    kPi * (2.0F * (static_cast<float>(column) + 0.5F) / (kPhiBins * kFine) - 1.0F));
+      expected[bin_of(d)] +=
+          stated.pdf(d) * 2.0 * std::numbers::pi * count / (kCosineBins * kPhiBins * kFine * kFine);
     }
   }
   for (int i = 0; i < count; ++i) {
