@@ -114,12 +114,6 @@ Quad joints_of(const MeshProjector& mesh, const Cuts& cuts, int column, int row)
 
 }  // namespace
 
-void draw_quad(const Vertex& upper_left, const Vertex& upper_right, const Vertex& lower_left,
-               const Vertex& lower_right, Fragments& out) {
-  draw_triangle(upper_left, upper_right, lower_left, out);
-  draw_triangle(lower_right, lower_left, upper_right, out);
-}
-
 void draw_cut_quad(const MeshProjector& mesh, const Cuts& cuts, int column, int row,
                    Fragments& out) {
   const Quad quad = joints_of(mesh, cuts, column, row);

@@ -25,9 +25,6 @@ class Cuts {
   float harmless_;
 };
 
-void draw_quad(const Vertex& upper_left, const Vertex& upper_right, const Vertex& lower_left,
-               const Vertex& lower_right, Fragments& out);
-
 /// Draws the quad whose top-left vertex is (column, row), cut: each corner keeps its quarter up to
 /// the quad's middle, at its own depth and colour, blended with the corners it is joined to. So a
 /// silhouette ends where its outermost cells end, half a cell beyond their centres.

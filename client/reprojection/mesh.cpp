@@ -72,18 +72,17 @@ Vertex MeshProjector::project(float x_tangent, float y_tangent, float inverse_de
           0.0F, 0.0F};
 }
 
-void MeshProjector::project_row(int row, std::vector<Vertex>& out) const {
-  out.resize(x_tangents_.size());
-  const auto depths =
-      source_.inverse_depth_per_m.row(cell_of(row, source_.inverse_depth_per_m.height()));
-  const int width = source_.inverse_depth_per_m.width();
-  const float v = static_cast<float>(row - 1);
+void MeshProjector::project_row(int row, VertexRow& out) const {
+  const auto& plane = source_.inverse_depth_per_m;
+  const auto depths = plane.row(cell_of(row, plane.height()));
+  out.vertices.resize(x_tangents_.size());
+  out.inverse_depths.resize(x_tangents_.size());
   for (int i = 0; i < columns(); ++i) {
-    Vertex& vertex = out[i];
-    vertex =
-        project(x_tangents_[i], y_tangents_[row], sound_inverse_depth(depths[cell_of(i, width)]));
-    vertex.u = static_cast<float>(i - 1);
-    vertex.v = v;
+    const float inverse_depth = sound_inverse_depth(depths[cell_of(i, plane.width())]);
+    out.inverse_depths[i] = inverse_depth;
+    out.vertices[i] = project(x_tangents_[i], y_tangents_[row], inverse_depth);
+    out.vertices[i].u = static_cast<float>(i - 1);
+    out.vertices[i].v = static_cast<float>(row - 1);
   }
 }
 

@@ -23,6 +23,12 @@ struct RelativeView {
 RelativeView relative_view(const Pose& stage_from_source, const Pose& stage_from_display,
                            WarpOptions::Method method);
 
+/// One row of vertices, u and v included, and their inverse depth in source space (1/m).
+struct VertexRow {
+  std::vector<Vertex> vertices;
+  std::vector<float> inverse_depths;
+};
+
 class MeshProjector {
  public:
   MeshProjector(const SourceView& source, const RelativeView& relative,
@@ -40,8 +46,7 @@ class MeshProjector {
   float inverse_depth(int column, int row) const;
   /// The vertex at a tangent of the source view, at a depth in source space.
   Vertex project(float x_tangent, float y_tangent, float inverse_depth) const;
-  /// Vertices of one row, u and v included.
-  void project_row(int row, std::vector<Vertex>& out) const;
+  void project_row(int row, VertexRow& out) const;
 
  private:
   const SourceView& source_;

@@ -29,4 +29,9 @@ using Fragments = image::Plane<Fragment>;
 /// error is a quarter of the relative change of depth across a cell, below a hundredth of a cell.
 void draw_triangle(const Vertex& a, const Vertex& b, const Vertex& c, Fragments& out);
 
+/// Two triangles that share the diagonal from upper right to lower left; nothing if the upper left
+/// vertex is NaN.
+void draw_quad(const Vertex& upper_left, const Vertex& upper_right, const Vertex& lower_left,
+               const Vertex& lower_right, Fragments& out);
+
 }  // namespace macula::reprojection

@@ -10,7 +10,7 @@ struct Tap {
   int first, second;
   float weight;
 };
-Tap tap_at(float coordinate, int size) {
+inline Tap tap_at(float coordinate, int size) {
   const float last = static_cast<float>(size - 1);
   const float clamped = std::min(std::max(coordinate, 0.0F), last);
   const int first = static_cast<int>(clamped);
@@ -26,7 +26,7 @@ struct Weights {
   }
 };
 
-Rgb8 color_at(const Fragment& fragment, const image::Plane<Rgb8>& source) {
+inline Rgb8 color_at(const Fragment& fragment, const image::Plane<Rgb8>& source) {
   const Tap x = tap_at(fragment.u, source.width()), y = tap_at(fragment.v, source.height());
   const float right = x.weight, lower = y.weight;
   const Weights weights{(1.0F - right) * (1.0F - lower), right * (1.0F - lower),

@@ -10,26 +10,26 @@ namespace macula::reprojection {
 namespace {
 
 /// Largest difference of inverse depth between the corners of a quad, in source space.
-float spread(const MeshProjector& mesh, int column, int row) {
-  const auto [low, high] =
-      std::minmax({mesh.inverse_depth(column, row), mesh.inverse_depth(column + 1, row),
-                   mesh.inverse_depth(column, row + 1), mesh.inverse_depth(column + 1, row + 1)});
-  return high - low;
+float spread(const VertexRow& upper, const VertexRow& lower, int column) {
+  const float a = upper.inverse_depths[column], b = upper.inverse_depths[column + 1];
+  const float c = lower.inverse_depths[column], d = lower.inverse_depths[column + 1];
+  return std::max(std::max(a, b), std::max(c, d)) - std::min(std::min(a, b), std::min(c, d));
 }
 
 void draw_mesh(const MeshProjector& mesh, const Cuts& cuts, Fragments& out) {
-  std::vector<Vertex> upper, lower;
+  VertexRow upper, lower;
   mesh.project_row(0, upper);
   for (int row = 0; row + 1 < mesh.rows(); ++row) {
     mesh.project_row(row + 1, lower);
+    const Vertex *above = upper.vertices.data(), *below = lower.vertices.data();
     for (int column = 0; column + 1 < mesh.columns(); ++column) {
-      if (spread(mesh, column, row) >= cuts.harmless_difference()) {
+      if (spread(upper, lower, column) >= cuts.harmless_difference()) {
         draw_cut_quad(mesh, cuts, column, row, out);
       } else {
-        draw_quad(upper[column], upper[column + 1], lower[column], lower[column + 1], out);
+        draw_quad(above[column], above[column + 1], below[column], below[column + 1], out);
       }
     }
-    upper.swap(lower);
+    std::swap(upper, lower);
   }
 }
 
