@@ -18,6 +18,8 @@ constexpr milliseconds kStaleAfter{500};
 constexpr milliseconds kLeastPatience{700}, kMostPatience{5600};
 constexpr milliseconds kPingEvery{80}, kQuickPingEvery{20}, kPingAnywayEvery{500};
 constexpr int kQuickPings = 10;
+/// Acks are told again without news, so that a lost one cannot hold a frame's credit.
+constexpr milliseconds kAckAgainAfter{200};
 constexpr milliseconds kHelloAgainAfter{1000};
 constexpr milliseconds kRetryEvery{1};
 constexpr std::size_t kMostDelayedViews = 4096;
@@ -190,7 +192,9 @@ void ClientLoop::send_view() {
 }
 
 void ClientLoop::send_acks() {
-  if (!welcome_ || !ack_due_ || steady_now() < *ack_due_) return;
+  if (!welcome_) return;
+  const SteadyTime due = std::min(ack_due_.value_or(SteadyTime::max()), acked_ + kAckAgainAfter);
+  if (steady_now() < due) return;
   if (!offer(assembler_.acks())) return;
   ack_due_.reset();
   acked_ = steady_now();

@@ -68,6 +68,7 @@ class ClientLoop {
   void on(Refusal&& refusal);
   void on(Bye&& bye);
   void on(const Pong& pong, ClientTime received);
+  void on_beat();
   void on(FrameBegin&& begin, ClientTime received);
   void on(const SliceHeader& header, const Incoming& message);
   void on(const FrameEnd& end, ClientTime received);
@@ -104,6 +105,7 @@ class ClientLoop {
   // Acknowledgements, pings and silence.
   std::optional<SteadyTime> ack_due_;
   SteadyTime acked_{}, pinged_{};
+  int beats_since_part_ = 0;  ///< while a frame is arriving
   std::uint64_t pings_ = 0;
   int quick_pings_ = 0;
   std::optional<SteadyTime> unanswered_since_;

@@ -35,6 +35,9 @@ class FrameAssembler {
   Step slice(const SliceHeader& header, std::span<const std::byte> bytes);
   Step end(const FrameEnd& end, ClientTime now);
 
+  /// The rest of the frame now arriving will not come.
+  Step give_up() { return arriving_ ? discard() : Step::Ignored; }
+
   /// The frame that the last Completed step finished.
   std::optional<ReceivedFrame> take();
 

@@ -126,6 +126,14 @@ TEST_F(Assembly, AFrameWhoseBeginWasRefusedIsAcknowledgedByItsSlices) {
   EXPECT_EQ(begin(4), Step::Advanced);
 }
 
+TEST_F(Assembly, AFrameGivenUpIsAcknowledged) {
+  EXPECT_EQ(assembler_.give_up(), Step::Ignored);
+  begin(1);
+  slice(1, 0, 0, 60);
+  EXPECT_EQ(assembler_.give_up(), Step::Discarded);
+  expect_discarded(1);
+}
+
 TEST_F(Assembly, OldFramesAndOtherEpochsAreIgnored) {
   begin(2);
   slice(2, 0, 0, 100);
