@@ -70,7 +70,7 @@ WarpReport warp(const SourceView& source, const Pose& stage_from_display,
   image::Plane<Coverage> own;
   image::Plane<Coverage>& marks = coverage != nullptr ? *coverage : own;
   classify_and_fill(fragments, options.holes, marks);
-  resolve_colors(fragments, source.color, out);
+  resolve_colors(fragments, source.color, options.filter, out);
   return count(marks);
 }
 
