@@ -5,12 +5,10 @@
 #include <compare>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "server/session/credit_window.h"
 #include "shared/net/messages.h"
 #include "shared/net/server_endpoint.h"
 
@@ -51,11 +49,10 @@ struct SendBye {
   net::PeerId peer;
   net::Bye bye;
 };
-/// Hand a ready frame to the network; `previous` goes into its FrameBegin.
+/// Hand a ready frame to the network.
 struct ReleaseFrame {
   FrameKey key;
   net::PeerId peer;
-  std::optional<SendStamp> previous;
 };
 /// Frames of this epoch that are not yet sent are of no more use: stop rendering, drop the ready
 /// ones.

@@ -45,11 +45,11 @@ void CreditWindow::abandon(std::uint64_t frame) {
   std::erase(unsent_, frame);
 }
 
-void CreditWindow::hand_over(std::uint64_t frame, ServerTime ready, ServerTime now) {
+void CreditWindow::hand_over(std::uint64_t frame, ServerTime now) {
   MACULA_CHECK(is_unsent(frame), "only an unsent frame can be handed over");
   std::erase(unsent_, frame);
-  in_flight_.push_back({frame, ready, now});
-  handed_.push_back({frame, ready, std::nullopt, std::nullopt});
+  in_flight_.push_back({frame, now});
+  handed_.push_back({frame, std::nullopt, std::nullopt});
   if (handed_.size() > kMostHanded) handed_.pop_front();
   sends_.push_back(now);
   if (sends_.size() > kMostSends) sends_.pop_front();
@@ -60,15 +60,14 @@ void CreditWindow::pair(Handed& handed, ServerTime now) {
   if (handed.end && handed.acknowledged) rtt_.add(*handed.acknowledged - *handed.end, now);
 }
 
-std::optional<SendStamp> CreditWindow::on_sent(std::uint64_t frame, ServerTime end) {
+void CreditWindow::on_sent(std::uint64_t frame, ServerTime end) {
   const auto handed = std::find_if(handed_.begin(), handed_.end(),
                                    [&](const Handed& h) { return h.frame == frame; });
-  if (handed == handed_.end() || handed->end) return std::nullopt;
+  if (handed == handed_.end() || handed->end) return;
   handed->end = end;
   pair(*handed, end);
   for (InFlight& flying : in_flight_)
     if (flying.frame == frame) flying.since = std::max(flying.since, end);
-  return SendStamp{frame, handed->ready, end};
 }
 
 bool CreditWindow::on_lost(std::uint64_t frame) {

@@ -17,12 +17,6 @@
 
 namespace macula::session {
 
-/// When a frame waited to be sent: what the next FrameBegin reports.
-struct SendStamp {
-  std::uint64_t frame = 0;
-  ServerTime begin{}, end{};
-};
-
 enum class AckVerdict { Taken, Repeated, AboveLastSent };
 
 class CreditWindow {
@@ -43,11 +37,10 @@ class CreditWindow {
   bool is_unsent(std::uint64_t frame) const;
   /// An unsent frame that will never be sent returns its credit.
   void abandon(std::uint64_t frame);
-  /// First byte: the frame was ready at `ready` and is handed to the network now.
-  void hand_over(std::uint64_t frame, ServerTime ready, ServerTime now);
-  /// The network's answer. Returns the stamp to report, nullopt for a frame not known as handed
-  /// over.
-  std::optional<SendStamp> on_sent(std::uint64_t frame, ServerTime end);
+  /// First byte: the frame is handed to the network now.
+  void hand_over(std::uint64_t frame, ServerTime now);
+  /// The network sent its last byte.
+  void on_sent(std::uint64_t frame, ServerTime end);
   /// The network dropped the frame; false when it was not in flight.
   bool on_lost(std::uint64_t frame);
 
@@ -60,13 +53,12 @@ class CreditWindow {
  private:
   struct InFlight {
     std::uint64_t frame = 0;
-    ServerTime ready{}, since{};
+    ServerTime since{};
   };
   /// Handed over, end of sending or acknowledgement not yet heard: pairs the two into an RTT
   /// sample.
   struct Handed {
     std::uint64_t frame = 0;
-    ServerTime ready{};
     std::optional<ServerTime> end, acknowledged;
   };
   void pair(Handed& handed, ServerTime now);

@@ -20,7 +20,8 @@ class EncodeStage {
   EncodeStage(const ServerConfig& config, const base::Clock& clock)
       : config_(config), clock_(clock), threads_(config.encode_threads) {}
 
-  /// Sets job.encode_end. Previous-frame stamps are left to whoever sends. Errors: the codecs'.
+  /// Sets job.encode_end. The endpoint adds the send stamps of the frame before. Errors: the
+  /// codecs'.
   Result<net::EncodedFrame> encode(FrameJob& job);
 
  private:

@@ -22,6 +22,9 @@ struct SessionRules {
   int most_unsent = 2;
   /// Sessions at once; the next Hello is refused as ServerFull.
   std::size_t most_sessions = 8;
+  /// A client that keeps acknowledging another epoch has missed its Welcome: it hears it again at
+  /// most this often.
+  Nanoseconds welcome_interval{std::chrono::milliseconds{200}};
   /// One unknown peer hears UnknownSession at most this often.
   Nanoseconds refusal_interval{std::chrono::milliseconds{100}};
 };

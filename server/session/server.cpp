@@ -92,7 +92,7 @@ void Server::control_loop() {
     {
       std::lock_guard lock(mutex_);
       if (stopping_) return;
-      if (event) carry_out(table_.handle(*event, now()));
+      if (event) take(*event);
       if (now() - last_tick >= kTick) {
         carry_out(table_.tick(now()));
         last_tick = now();
@@ -100,6 +100,12 @@ void Server::control_loop() {
     }
     may_start_.notify_one();
   }
+}
+
+void Server::take(const net::ServerEvent& event) {
+  if (const auto* sent = std::get_if<net::FrameSent>(&event); sent != nullptr && !sent->lost)
+    push_recent(telemetry_.recent_send_ms, units::to_ms(sent->end - sent->begin));
+  carry_out(table_.handle(event, now()));
 }
 
 std::shared_ptr<RenderMemory> Server::memory_of(const FrameKey& key) {
@@ -182,7 +188,7 @@ void Server::finish_encoding(const FrameJob& job, Result<net::EncodedFrame> enco
   push_recent(telemetry_.recent, stage_times(job));
   if (!table_.expects(key)) return;
   outbox_.emplace(key, std::move(*encoded));
-  carry_out(table_.on_frame_ready(key, job.encode_end, now()));
+  carry_out(table_.on_frame_ready(key, now()));
 }
 
 void Server::carry_out(Actions actions) {
@@ -207,15 +213,7 @@ void Server::act(SendBye&& action) {
 void Server::act(ReleaseFrame&& action) {
   auto node = outbox_.extract(action.key);
   MACULA_CHECK(!node.empty(), "only encoded frames are released");
-  net::EncodedFrame& frame = node.mapped();
-  if (action.previous) {
-    frame.begin.previous_frame = action.previous->frame;
-    frame.begin.previous_send_begin = action.previous->begin;
-    frame.begin.previous_send_end = action.previous->end;
-    push_recent(telemetry_.recent_send_ms,
-                units::to_ms(action.previous->end - action.previous->begin));
-  }
-  parts_.endpoint->send_frame(action.peer, std::move(frame));
+  parts_.endpoint->send_frame(action.peer, std::move(node.mapped()));
 }
 
 void Server::act(AbandonFrames&& action) {

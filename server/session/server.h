@@ -73,6 +73,7 @@ class Server {
   void give_up(const FrameKey& key, const std::string& why);
 
   // All of these need mutex_.
+  void take(const net::ServerEvent& event);
   std::shared_ptr<RenderMemory> memory_of(const FrameKey& key);
   void carry_out(Actions actions);
   void act(SendWelcome&& action);

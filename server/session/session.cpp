@@ -10,8 +10,6 @@
 namespace macula::session {
 namespace {
 
-constexpr std::size_t kMostUnreported = 8;  // more than any window
-
 // The network checks every message; a renderer fed a NaN would be our fault, so look once more.
 bool is_renderable(const net::ViewState& view, std::size_t eyes) {
   return view.eyes.size() == eyes && math::is_valid(view.stage_from_head) &&
@@ -22,38 +20,43 @@ bool is_renderable(const net::ViewState& view, std::size_t eyes) {
 
 }  // namespace
 
-Actions Session::begin_epoch(net::PeerId peer, std::uint32_t epoch, const net::ResumeToken& token,
-                             ClientSetup setup, ServerTime now) {
+Actions Session::begin_epoch(net::PeerId peer, net::Welcome welcome, ClientSetup setup,
+                             ServerTime now) {
   Actions actions;
-  if (epoch_ != 0) {
+  if (epoch() != 0) {
     counters_.frames_abandoned += static_cast<std::uint64_t>(credit_.unsent());
-    actions.push_back(AbandonFrames{id_, epoch_});
+    actions.push_back(AbandonFrames{id_, epoch()});
   }
   peer_ = peer;
-  epoch_ = epoch;
-  token_ = token;
+  welcome_ = std::move(welcome);
+  welcomed_ = now;
   setup_ = std::make_shared<const ClientSetup>(std::move(setup));
   credit_ = CreditWindow(rules_);
   view_.reset();
   newest_sequence_.reset();
   ready_.clear();
-  unreported_.clear();
   last_view_ = now;
+  actions.push_back(SendWelcome{peer_, welcome_});
   return actions;
 }
 
 Actions Session::on_view(const net::ViewReceived& event) {
-  take_acks(event.acks, event.received);
+  Actions actions = take_acks(event.acks, event.received);
   if (event.view) take_view(*event.view, event.received);
-  return release_ready(event.received);
+  const Actions released = release_ready(event.received);
+  actions.insert(actions.end(), released.begin(), released.end());
+  return actions;
 }
 
-void Session::take_acks(const net::Acks& acks, ServerTime received) {
-  if (acks.epoch != epoch_) {
-    ++counters_.foreign_acks;
-    return;
+Actions Session::take_acks(const net::Acks& acks, ServerTime received) {
+  if (acks.epoch == epoch()) {
+    if (credit_.acknowledge(acks, received) == AckVerdict::AboveLastSent) ++counters_.acks_refused;
+    return {};
   }
-  if (credit_.acknowledge(acks, received) == AckVerdict::AboveLastSent) ++counters_.acks_refused;
+  ++counters_.foreign_acks;
+  if (received - welcomed_ < rules_.welcome_interval) return {};
+  welcomed_ = received;
+  return {SendWelcome{peer_, welcome_}};
 }
 
 void Session::take_view(const net::ViewState& view, ServerTime received) {
@@ -85,23 +88,23 @@ bool Session::may_start(ServerTime now) const {
 std::optional<StartFrame> Session::start_frame(ServerTime now) {
   if (!may_start(now)) return std::nullopt;
   ++counters_.frames_started;
-  return StartFrame{{id_, epoch_, credit_.start()},
+  return StartFrame{{id_, epoch(), credit_.start()},
                     peer_,
                     *std::exchange(view_, std::nullopt),
                     view_received_,
                     setup_};
 }
 
-Actions Session::on_frame_ready(const FrameKey& key, ServerTime ready, ServerTime now) {
+Actions Session::on_frame_ready(const FrameKey& key, ServerTime now) {
   if (!is_mine(key) || !credit_.is_unsent(key.frame)) return {};
-  ready_.push_back({key.frame, ready});
+  ready_.push_back(key.frame);
   return release_ready(now);
 }
 
 void Session::on_frame_abandoned(const FrameKey& key) {
   if (!is_mine(key) || !credit_.is_unsent(key.frame)) return;
   credit_.abandon(key.frame);
-  std::erase_if(ready_, [&](const Ready& r) { return r.frame == key.frame; });
+  std::erase(ready_, key.frame);
   ++counters_.frames_abandoned;
 }
 
@@ -109,15 +112,10 @@ Actions Session::release_ready(ServerTime now) {
   Actions actions;
   while (!ready_.empty() && credit_.may_send(now)) {
     const int window = credit_.window(now);
-    const Ready ready = ready_.front();
+    const std::uint64_t frame = ready_.front();
     ready_.pop_front();
-    credit_.hand_over(ready.frame, ready.at, now);
-    ReleaseFrame release{{id_, epoch_, ready.frame}, peer_, std::nullopt};
-    if (!unreported_.empty()) {
-      release.previous = unreported_.front();
-      unreported_.pop_front();
-    }
-    actions.push_back(release);
+    credit_.hand_over(frame, now);
+    actions.push_back(ReleaseFrame{{id_, epoch(), frame}, peer_});
     ++counters_.frames_released;
     counters_.most_in_flight = std::max(counters_.most_in_flight, credit_.in_flight());
     counters_.most_in_flight_excess =
@@ -127,24 +125,21 @@ Actions Session::release_ready(ServerTime now) {
 }
 
 Actions Session::on_frame_sent(const net::FrameSent& event, ServerTime now) {
-  if (event.epoch != epoch_) return {};
+  if (event.epoch != epoch()) return {};
   if (event.lost) {
     if (credit_.on_lost(event.frame)) ++counters_.frames_lost;
     return release_ready(now);
   }
-  if (const auto stamp = credit_.on_sent(event.frame, event.end)) {
-    unreported_.push_back(*stamp);
-    if (unreported_.size() > kMostUnreported) unreported_.pop_front();
-  }
+  credit_.on_sent(event.frame, event.end);
   return {};
 }
 
 Actions Session::abandon_unsent() {
   if (credit_.unsent() == 0) return {};
   counters_.frames_abandoned += ready_.size();
-  for (const Ready& ready : ready_) credit_.abandon(ready.frame);
+  for (const std::uint64_t frame : ready_) credit_.abandon(frame);
   ready_.clear();
-  return {AbandonFrames{id_, epoch_}};
+  return {AbandonFrames{id_, epoch()}};
 }
 
 Actions Session::tick(ServerTime now) {

@@ -32,13 +32,12 @@ class Session {
       : id_(id), client_key_(std::move(client_key)), rules_(rules), credit_(rules) {}
 
   /// The client said Hello (again): from here on everything of earlier epochs is ignored.
-  Actions begin_epoch(net::PeerId peer, std::uint32_t epoch, const net::ResumeToken& token,
-                      ClientSetup setup, ServerTime now);
+  Actions begin_epoch(net::PeerId peer, net::Welcome welcome, ClientSetup setup, ServerTime now);
   /// Only views newer than any before count; acks are taken first, whatever the view is worth.
   Actions on_view(const net::ViewReceived& event);
   void on_settings(const net::Settings& settings);
-  /// Encoded and waiting for credit since `ready`.
-  Actions on_frame_ready(const FrameKey& key, ServerTime ready, ServerTime now);
+  /// Encoded: it leaves as soon as there is credit.
+  Actions on_frame_ready(const FrameKey& key, ServerTime now);
   /// Will never be sent (stopped, or failed to encode).
   void on_frame_abandoned(const FrameKey& key);
   Actions on_frame_sent(const net::FrameSent& event, ServerTime now);
@@ -52,40 +51,35 @@ class Session {
   bool is_silent(ServerTime now) const { return now - last_view_ > rules_.stop_rendering_after; }
 
   std::uint64_t id() const { return id_; }
-  std::uint32_t epoch() const { return epoch_; }
+  std::uint32_t epoch() const { return welcome_.epoch; }
   net::PeerId peer() const { return peer_; }
   const std::string& client_key() const { return client_key_; }
-  const net::ResumeToken& resume_token() const { return token_; }
+  const net::ResumeToken& resume_token() const { return welcome_.resume_token; }
   const ClientSetup& setup() const { return *setup_; }
   const CreditWindow& credit() const { return credit_; }
   const SessionCounters& counters() const { return counters_; }
 
  private:
-  struct Ready {
-    std::uint64_t frame = 0;
-    ServerTime at{};
-  };
-  void take_acks(const net::Acks& acks, ServerTime received);
+  Actions take_acks(const net::Acks& acks, ServerTime received);
   void take_view(const net::ViewState& view, ServerTime received);
   Actions release_ready(ServerTime now);
   /// Nobody watches: ready frames are dropped, the one being rendered is reported back by its
   /// stage.
   Actions abandon_unsent();
-  bool is_mine(const FrameKey& key) const { return key.session == id_ && key.epoch == epoch_; }
+  bool is_mine(const FrameKey& key) const { return key.session == id_ && key.epoch == epoch(); }
 
   std::uint64_t id_;
   std::string client_key_;
   SessionRules rules_;
   net::PeerId peer_;
-  std::uint32_t epoch_ = 0;
-  net::ResumeToken token_{};
+  net::Welcome welcome_;  ///< of the present epoch
+  ServerTime welcomed_{};
   std::shared_ptr<const ClientSetup> setup_;
   CreditWindow credit_;
   std::optional<net::ViewState> view_;  ///< newest, not yet rendered
   ServerTime view_received_{}, last_view_{};
   std::optional<std::uint64_t> newest_sequence_;
-  std::deque<Ready> ready_;
-  std::deque<SendStamp> unreported_;
+  std::deque<std::uint64_t> ready_;  ///< encoded, waiting for credit
   SessionCounters counters_;
 };
 

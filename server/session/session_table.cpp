@@ -131,9 +131,7 @@ Actions SessionTable::welcome(Session& session, net::PeerId peer, const net::Res
   welcome.max_part_bytes = offer_.max_part_bytes;
   welcome.scene = offer_.scene;
   ++counters_.welcomed;
-  Actions actions = session.begin_epoch(peer, epoch, token, std::move(setup), now);
-  actions.push_back(SendWelcome{peer, std::move(welcome)});
-  return actions;
+  return session.begin_epoch(peer, std::move(welcome), std::move(setup), now);
 }
 
 Actions SessionTable::on_event(const net::ViewReceived& event, ServerTime now) {
@@ -211,9 +209,9 @@ bool SessionTable::expects(const FrameKey& key) const {
          found->second.credit().is_unsent(key.frame);
 }
 
-Actions SessionTable::on_frame_ready(const FrameKey& key, ServerTime ready, ServerTime now) {
+Actions SessionTable::on_frame_ready(const FrameKey& key, ServerTime now) {
   const auto found = sessions_.find(key.session);
-  return found == sessions_.end() ? Actions{} : found->second.on_frame_ready(key, ready, now);
+  return found == sessions_.end() ? Actions{} : found->second.on_frame_ready(key, now);
 }
 
 void SessionTable::on_frame_abandoned(const FrameKey& key) {

@@ -11,7 +11,7 @@
 
 namespace macula::session {
 
-/// Stages of one frame in ms; send_queue reaches from the end of encoding to the last byte sent.
+/// Stages of one frame in ms.
 struct StageTimes {
   double view_wait_ms = 0.0, render_ms = 0.0, encode_ms = 0.0;
 };
@@ -27,7 +27,7 @@ struct Telemetry {
   std::uint64_t rays = 0, cells = 0, non_finite_samples = 0;
   double newest_scale = 1.0;           ///< of the governor, for the last frame rendered
   std::vector<StageTimes> recent;      ///< oldest first, at most 64 frames
-  std::vector<double> recent_send_ms;  ///< send_queue of the last frames, oldest first, at most 64
+  std::vector<double> recent_send_ms;  ///< from hand-over to last byte, oldest first, at most 64
   std::vector<SessionState> now;       ///< the sessions alive
   SessionCounters sessions;
   TableCounters table;

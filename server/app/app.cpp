@@ -1,0 +1,153 @@
+#include "server/app/app.h"
+
+#include <iostream>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "server/kernels/registry.h"
+#include "server/kernels/scene_frame.h"
+#include "server/scene/load.h"
+#include "server/scene/plan.h"
+#include "server/session/server.h"
+#include "shared/base/log.h"
+#include "shared/base/text.h"
+#include "shared/net/keys.h"
+
+namespace macula::server_app {
+namespace {
+
+using SceneTable = std::shared_ptr<const scene::Scene>;
+
+void print_scenes() {
+  for (const scene::BuiltIn& entry : scene::built_in_scenes())
+    std::cout << entry.name << "\t" << entry.summary << "\n";
+}
+
+scene::KernelChoice resolve_kernel(const Options& options, const scene::SceneFacts& facts) {
+  if (options.kernel != "auto") return {options.kernel, "asked for"};
+  std::vector<std::string_view> registered;
+  for (const kernels::KernelEntry& entry : kernels::kernel_table())
+    registered.push_back(entry.name);
+  return scene::choose_kernel(facts, scene::IndirectLight::NotWanted, registered);
+}
+
+void print_plan(const Options& options, const scene::SceneFacts& facts,
+                const scene::KernelChoice& choice) {
+  std::cout << "kernel " << choice.kernel << ": " << choice.reason << "\n";
+  for (const scene::Pass& pass : scene::plan_passes(facts, options.ambient_samples))
+    std::cout << (pass.used ? "  used      " : "  left out  ") << pass.name << ": " << pass.reason
+              << "\n";
+}
+
+void print_assumptions(const scene::Scene& scene) {
+  for (const std::string& guess : scene.settings.guesses) std::cout << "assumed: " << guess << "\n";
+  for (const std::string& warning : scene.warnings) std::cout << "warning: " << warning << "\n";
+}
+
+kernels::KernelOptions kernel_options(const Options& options) {
+  kernels::KernelOptions kernel;
+  kernel.area_light_samples = options.area_samples;
+  kernel.ambient_samples = options.ambient_samples;
+  return kernel;
+}
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (c == '\n') c = ';';
+  return text;
+}
+
+session::ServerConfig server_config(const Options& options, const scene::Scene& scene,
+                                    const scene::SceneFacts& facts, std::string_view kernel) {
+  session::ServerConfig config;
+  config.offer.kernel = kernel;
+  config.offer.default_codec = options.codec;
+  config.offer.scene = {scene.name, facts.triangles, facts.lights + facts.emissive_triangles,
+                        scene.settings.scene_from_stage};
+  config.views.scene_from_stage = scene.settings.scene_from_stage;
+  config.views.tone = scene.settings.tone;
+  config.views.rate_model = *foveation::find_rate_model(options.rate_model);
+  config.views.fovea_oversampling = options.oversampling;
+  config.jpeg_quality = options.quality;
+  if (options.target_ms) config.target_frame_time = units::from_ms(*options.target_ms);
+  Options told = options;
+  told.keys.clear();  // travels in frames; where keys lie is nobody's business
+  config.description = one_line(describe(told));
+  return config;
+}
+
+session::SessionTable::RandomBits system_random() {
+  return [device = std::make_shared<std::random_device>()] {
+    return static_cast<std::uint64_t>((*device)()) << 32 | (*device)();
+  };
+}
+
+Result<std::unique_ptr<net::ServerEndpoint>> open_endpoint(const Options& options,
+                                                           const base::Clock& clock) {
+  if (const auto keys = net::load_or_make_keys(options.keys, net::Role::Server); !keys)
+    return base::forward(keys);
+  net::ServerEndpointOptions endpoint;
+  endpoint.bind = options.bind;
+  endpoint.key_folder = options.keys;
+  return net::ServerEndpoint::create(endpoint, clock);
+}
+
+void serve(session::Server& server, const Options& options, StopSignal& stop) {
+  constexpr std::chrono::seconds kReport{5};
+  server.start();
+  stop.serving();
+  std::cout << "ready on " << server.endpoint() << " public key " << server.public_key_z85()
+            << std::endl;
+  while (!stop.wait_for(kReport))
+    if (options.verbose) base::log_info(session::summary_line(server.telemetry()));
+  server.stop();
+}
+
+Result<void> serve_scene(const Options& options, SceneTable scene, const scene::SceneFacts& facts,
+                         std::string_view kernel_name, std::unique_ptr<kernels::Kernel> kernel,
+                         StopSignal& stop) {
+  const base::SteadyClock clock;
+  auto endpoint = open_endpoint(options, clock);
+  if (!endpoint) return base::forward(endpoint);
+  auto frame = kernels::SceneFrame::create(scene);
+  if (!frame) return base::forward(frame);
+  session::ServerParts parts;
+  parts.endpoint = std::move(*endpoint);
+  parts.scene = std::move(*frame);
+  parts.kernel = std::move(kernel);
+  parts.scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
+  parts.clock = &clock;
+  parts.random = system_random();
+  auto server =
+      session::Server::create(server_config(options, *scene, facts, kernel_name), std::move(parts));
+  if (!server) return base::forward(server);
+  serve(**server, options, stop);
+  return {};
+}
+
+}  // namespace
+
+Result<void> run(Options options, const Environment& environment, StopSignal& stop) {
+  base::set_log_level(options.verbose ? base::LogLevel::Info : base::LogLevel::Warning);
+  if (options.list_scenes) {
+    print_scenes();
+    return {};
+  }
+  if (options.keys.empty()) options.keys = environment.default_key_folder;
+  auto scene = scene::load_scene(options.scene);
+  if (!scene) return base::forward(scene);
+  const scene::SceneFacts facts = scene::facts_of(**scene);
+  const scene::KernelChoice choice = resolve_kernel(options, facts);
+  auto kernel = kernels::make_kernel(choice.kernel, kernel_options(options));
+  if (!kernel) return base::forward(kernel);
+
+  std::cout << describe(options);
+  print_assumptions(**scene);
+  print_plan(options, facts, choice);
+  if (options.explain) return {};
+  std::cout << std::flush;
+  return serve_scene(options, std::move(*scene), facts, choice.kernel, std::move(*kernel), stop);
+}
+
+}  // namespace macula::server_app

@@ -1,0 +1,22 @@
+// macula-server put together: options become a scene, a kernel, an endpoint and a server that runs
+// until a signal stops it.
+#pragma once
+
+#include <string>
+
+#include "server/app/options.h"
+#include "server/app/stop_signal.h"
+#include "shared/base/result.h"
+
+namespace macula::server_app {
+
+/// What the programs read from the environment, by main.
+struct Environment {
+  std::string default_key_folder;
+};
+
+/// Serves until `stop` fires, or prints what was asked for. Everything a user wants to know goes to
+/// stdout, the log to stderr.
+Result<void> run(Options options, const Environment& environment, StopSignal& stop);
+
+}  // namespace macula::server_app

@@ -1,0 +1,45 @@
+// macula-server: reads arguments and environment, runs, and turns errors into exit statuses.
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+
+#include "server/app/app.h"
+#include "server/app/options.h"
+#include "server/app/stop_signal.h"
+#include "shared/net/keys.h"
+
+namespace {
+
+using namespace macula;
+
+int report(const Error& error) {
+  std::cerr << "macula-server: " << error.message() << "\n";
+  return error.exit_status();
+}
+
+int guarded_main(int argc, char** argv) {
+  const auto parsed = server_app::parse_options(argc, argv);
+  if (!parsed) return report(parsed.error());
+  if (const auto* text = std::get_if<server_app::PrintAndExit>(&*parsed)) {
+    std::cout << text->text;
+    return EXIT_SUCCESS;
+  }
+  server_app::StopSignal stop;
+  const server_app::Environment environment{
+      net::default_key_folder(std::getenv("XDG_CONFIG_HOME"), std::getenv("HOME"))};
+  const auto done = server_app::run(std::get<server_app::Options>(*parsed), environment, stop);
+  return done ? EXIT_SUCCESS : report(done.error());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return guarded_main(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "macula-server: " << error.what() << "\n";
+  } catch (...) {
+    std::cerr << "macula-server: unknown failure\n";
+  }
+  return EXIT_FAILURE;
+}

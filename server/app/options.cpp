@@ -1,0 +1,128 @@
+#include "server/app/options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "server/app/settings_file.h"
+#include "shared/base/text.h"
+#include "shared/foveation/rate.h"
+
+namespace macula::server_app {
+namespace {
+
+constexpr const char* kExamples = R"(
+Examples:
+  macula-server                                 a built-in scene for clients on this machine
+  macula-server --scene model.gltf --explain    what a scene needs, without serving it
+  macula-server --bind tcp://0.0.0.0:7788       clients elsewhere (their keys in KEYS/allowed)
+  macula-server --target-ms 25 --quality 75     hold a frame time, spend fewer bytes
+)";
+
+void declare(CLI::App& app, Options& options) {
+  app.footer(kExamples);
+  app.set_help_flag("-h,--help", "Print this text and end");
+  app.set_version_flag("--version", "macula-server " MACULA_VERSION);
+  app.add_option("--scene", options.scene, "Built-in scene or .gltf/.glb file")
+      ->capture_default_str();
+  app.add_flag("--list-scenes", options.list_scenes, "List the built-in scenes and end");
+  app.add_option("--kernel", options.kernel, "auto, or a kernel by name")->capture_default_str();
+  app.add_flag("--explain", options.explain,
+               "Print the kernel and passes chosen, with reasons, and end");
+  app.add_option("--bind", options.bind, "Endpoint to serve; port 0 takes a free one")
+      ->capture_default_str();
+  app.add_option("--keys", options.keys, "Key folder [$XDG_CONFIG_HOME/macula]");
+  app.add_option("--config", options.config, "Settings file (TOML); options here win over it");
+  app.add_option("--target-ms", options.target_ms, "Render time to hold by lowering quality, ms");
+  app.add_option("--rate-model", options.rate_model, "How sampling falls off from the gaze")
+      ->capture_default_str();
+  app.add_option("--oversampling", options.oversampling,
+                 "Cells per display pixel at the gaze: 1, 1.5, 2, 3, 4")
+      ->capture_default_str();
+  app.add_option("--codec", options.codec, "Colour: jpeg or lossless")->capture_default_str();
+  app.add_option("--quality", options.quality, "JPEG quality, 1 to 100")->capture_default_str();
+  app.add_option("--area-samples", options.area_samples,
+                 "Samples of emissive surfaces a primary sample")
+      ->capture_default_str();
+  app.add_option("--ambient-samples", options.ambient_samples,
+                 "Samples of ambient light a primary sample")
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "Render threads; 0 = every core")
+      ->capture_default_str();
+  app.add_flag("--verbose", options.verbose, "Log sessions and, every 5 s, rates and stage times");
+}
+
+Result<std::variant<Options, PrintAndExit>> parse_over(Options options, int argc,
+                                                       const char* const* argv) {
+  CLI::App app{"Render server of Macula: streams foveated frames to headset clients",
+               "macula-server"};
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return PrintAndExit{app.help()};
+  } catch (const CLI::CallForVersion&) {
+    return PrintAndExit{app.version() + "\n"};
+  } catch (const CLI::ParseError& error) {
+    return base::bad_input(error.what(), {}, "--help lists the options");
+  }
+  return options;
+}
+
+Result<void> in_range(std::string_view option, double value, double low, double high) {
+  if (value >= low && value <= high) return {};
+  return base::bad_input(base::concat("is ", value), std::string(option),
+                         base::concat(low, " to ", high));
+}
+
+}  // namespace
+
+Result<std::variant<Options, PrintAndExit>> parse_options(int argc, const char* const* argv) {
+  auto parsed = parse_over({}, argc, argv);
+  if (!parsed) return parsed;
+  const Options* direct = std::get_if<Options>(&*parsed);
+  if (direct != nullptr && !direct->config.empty()) {
+    Options from_file;
+    if (const auto applied = apply_settings_file(direct->config, from_file); !applied)
+      return base::forward(applied);
+    parsed = parse_over(std::move(from_file), argc, argv);
+    if (!parsed) return parsed;
+  }
+  if (const Options* options = std::get_if<Options>(&*parsed))
+    if (const auto good = check_options(*options); !good) return base::forward(good);
+  return parsed;
+}
+
+Result<void> check_options(const Options& o) {
+  if (o.target_ms)
+    if (auto ok = in_range("--target-ms", *o.target_ms, 0.1, 10'000.0); !ok) return ok;
+  if (auto ok = in_range("--quality", o.quality, 1, 100); !ok) return ok;
+  if (auto ok = in_range("--area-samples", o.area_samples, 1, 1024); !ok) return ok;
+  if (auto ok = in_range("--ambient-samples", o.ambient_samples, 0, 1024); !ok) return ok;
+  if (auto ok = in_range("--threads", o.threads, 0, 1024); !ok) return ok;
+  if (o.codec != "jpeg" && o.codec != "lossless")
+    return base::bad_input(base::concat("unknown codec '", o.codec, "'"), "--codec",
+                           "jpeg, lossless");
+  if (o.oversampling != 1.5 && !(o.oversampling >= 1.0 && o.oversampling <= 4.0 &&
+                                 o.oversampling == std::floor(o.oversampling)))
+    return base::bad_input(base::concat("is ", o.oversampling), "--oversampling",
+                           "1, 1.5, 2, 3 or 4");
+  if (const auto model = foveation::find_rate_model(o.rate_model); !model)
+    return base::forward(model);
+  return {};
+}
+
+std::string describe(const Options& o) {
+  std::ostringstream text;
+  const auto quoted = [](const std::string& value) { return '"' + value + '"'; };
+  text << "scene = " << quoted(o.scene) << "\nkernel = " << quoted(o.kernel)
+       << "\nbind = " << quoted(o.bind) << "\nkeys = " << quoted(o.keys) << '\n';
+  if (o.target_ms) text << "target_ms = " << *o.target_ms << '\n';
+  text << "rate_model = " << quoted(o.rate_model) << "\noversampling = " << o.oversampling
+       << "\nquality = " << o.quality << "\ncodec = " << quoted(o.codec)
+       << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
+       << "\nthreads = " << o.threads << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
+  return std::move(text).str();
+}
+
+}  // namespace macula::server_app

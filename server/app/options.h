@@ -1,0 +1,44 @@
+// The options of macula-server: from the command line over a settings file over the defaults here.
+// Parsed once; everyone else receives structs.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "shared/base/result.h"
+
+namespace macula::server_app {
+
+struct Options {
+  std::string scene = "cornell";              ///< built-in name or file
+  std::string kernel = "auto";                ///< auto or a registered name
+  std::string bind = "tcp://127.0.0.1:7788";  ///< port 0 picks a free one
+  std::string keys;                           ///< folder; empty: the user's own
+  std::optional<double> target_ms;  ///< render time the governor holds; none: full quality
+  std::string config;               ///< settings file, TOML
+  std::string rate_model = "cortical";
+  double oversampling = 1.0;   ///< cells per display pixel at the gaze
+  int quality = 85;            ///< JPEG, 1..100
+  std::string codec = "jpeg";  ///< jpeg or lossless
+  int area_samples = 8;        ///< per primary sample, over all emissive triangles
+  int ambient_samples = 4;     ///< per primary sample
+  int threads = 0;             ///< 0: every core
+  bool explain = false, list_scenes = false, verbose = false;
+};
+
+/// What to print instead of serving: the help text or the version.
+struct PrintAndExit {
+  std::string text;
+};
+
+/// Errors name the option or the file and line, and say what is allowed.
+Result<std::variant<Options, PrintAndExit>> parse_options(int argc, const char* const* argv);
+
+/// Ranges that hold whichever way a value came in.
+Result<void> check_options(const Options& options);
+
+/// One "name = value" line each, as the settings file would have them.
+std::string describe(const Options& options);
+
+}  // namespace macula::server_app

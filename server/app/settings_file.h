@@ -1,0 +1,15 @@
+// A settings file: TOML with the long options as keys (underscores for dashes). An unknown key or a
+// value of the wrong type is an error with file and line.
+#pragma once
+
+#include <string>
+
+#include "server/app/options.h"
+#include "shared/base/result.h"
+
+namespace macula::server_app {
+
+/// Overwrites what the file sets.
+Result<void> apply_settings_file(const std::string& path, Options& options);
+
+}  // namespace macula::server_app

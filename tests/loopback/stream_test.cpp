@@ -1,0 +1,154 @@
+// The whole way: a real server, real sockets, the real client. What is shown is in order, every
+// frame's stages add up to its age, and time spent in a stage is found in that stage.
+#include <gtest/gtest.h>
+
+#include "client/app/run_client.h"
+#include "tests/loopback/server_fixture.h"
+#include "tests/support/handed_data.h"
+
+namespace macula::loopback {
+namespace {
+
+using frames::Stage;
+
+/// Delays of one run, wherever they belong.
+struct Delays {
+  LoopbackServerOptions server;
+  client_app::StageDelays client;
+  net::ClientDelays wire;
+};
+
+Delays delays_in(Stage stage, Nanoseconds delay) {
+  Delays delays;
+  switch (stage) {
+    case Stage::Uplink:
+      delays.wire.uplink = delay;
+      break;
+    case Stage::ViewWait:
+      delays.server.delays.view_wait = delay;
+      break;
+    case Stage::Render:
+      delays.server.delays.render = delay;
+      break;
+    case Stage::Encode:
+      delays.server.delays.encode = delay;
+      break;
+    case Stage::SendQueue:
+      delays.server.wire_delays.send_queue = delay;
+      break;
+    case Stage::Downlink:
+      delays.server.wire_delays.downlink = delay;
+      break;
+    case Stage::Decode:
+      delays.client.decode = delay;
+      break;
+    case Stage::Reproject:
+      delays.client.reproject = delay;
+      break;
+    case Stage::PresentWait:
+      delays.client.present = delay;
+      break;
+  }
+  return delays;
+}
+
+client_app::ClientConfig small_viewer() {
+  client_app::ClientConfig config;
+  config.display = client_app::DisplayKind::Headless;
+  config.width_px = config.height_px = 64;
+  config.vertical_fov = Degrees{90.0};
+  config.silence_patience = 60s;
+  config.connect_patience = 60s;
+  return config;
+}
+
+class Stream : public testing::Test {
+ protected:
+  display::ClientReport run(client_app::ClientConfig config, const Delays& delays = {}) {
+    LoopbackServer server(keys_.path(), delays.server);
+    net::ClientEndpointOptions options;
+    options.connect = server->endpoint();
+    options.key_folder = keys_.path();
+    options.server_key_z85 = server->public_key_z85();
+    options.hello = make_hello(config);
+    options.delays = delays.wire;
+    auto endpoint = net::ClientEndpoint::create(options, clock_);
+    config.connect = server->endpoint();
+    config.delays = delays.client;
+    const std::atomic<bool> stop{false};
+    auto report = run_client(config, **endpoint, clock_, stop);
+    if (!report) {
+      ADD_FAILURE() << report.error().message();
+      return {};
+    }
+    EXPECT_LE(server->telemetry().sessions.most_in_flight_excess, 0);
+    return std::move(*report);
+  }
+
+  TemporaryFolder keys_;
+  const base::SteadyClock clock_;
+};
+
+/// Stages other than uplink and downlink are differences of one clock's stamps, so `unattributed`
+/// is all that can keep the sum from the total.
+void expect_stages_add_up(const display::ClientReport& report) {
+  for (const auto& account : report.accounts) {
+    EXPECT_LE(std::chrono::abs(account.times.total - account.times.sum()), units::from_ms(0.2))
+        << "frame " << account.id.frame;
+  }
+}
+
+TEST_F(Stream, ShowsThreeHundredRefreshesOfARecordedTraceInOrder) {
+  MACULA_NEEDS_HANDED_DATA("traces/eyenavgs_u111_train.csv");
+  client_app::ClientConfig config = small_viewer();
+  config.trace_file = (test::handed_data() / "traces/eyenavgs_u111_train.csv").string();
+  config.frames = 300;
+  const auto report = run(config);
+  EXPECT_EQ(report.ended, display::RunEnd::FramesShown);
+  EXPECT_EQ(report.shown_frames, 300U);
+  EXPECT_EQ(report.frames_out_of_order, 0U);
+  EXPECT_EQ(report.frames_undecodable, 0U);
+  EXPECT_GE(report.distinct_server_frames, 20U);
+  EXPECT_GE(report.accounts.size(), 10U);
+  expect_stages_add_up(report);
+}
+
+TEST_F(Stream, ShowsANewFrameEveryRefreshWhenAsFastAsPossible) {
+  client_app::ClientConfig config = small_viewer();
+  config.pacing = client_app::Pacing::AsFastAsPossible;
+  config.frames = 60;
+  const auto report = run(config);
+  EXPECT_EQ(report.shown_frames, 60U);
+  EXPECT_EQ(report.distinct_server_frames, 60U);
+  EXPECT_EQ(report.frames_out_of_order, 0U);
+  expect_stages_add_up(report);
+}
+
+// Contention only ever adds time, so a low quantile of 40 frames is what a stage costs by itself.
+std::array<double, frames::kStageCount> own_cost_ms(const display::ClientReport& report) {
+  std::array<double, frames::kStageCount> cost{};
+  for (std::size_t i = 0; i < cost.size(); ++i) {
+    cost[i] = report.stage_ms(static_cast<Stage>(i)).quantile(0.1);
+  }
+  return cost;
+}
+
+TEST_F(Stream, FindsThirtyMillisecondsInTheStageTheyWereSpentInAndInNoOther) {
+  client_app::ClientConfig config = small_viewer();
+  config.pacing = client_app::Pacing::AsFastAsPossible;
+  config.frames = 40;
+  const auto plain = own_cost_ms(run(config));
+  for (std::size_t spent = 0; spent < frames::kStageCount; ++spent) {
+    const auto stage = static_cast<Stage>(spent);
+    const auto report = run(config, delays_in(stage, units::from_ms(30.0)));
+    expect_stages_add_up(report);
+    const auto cost = own_cost_ms(report);
+    for (std::size_t seen = 0; seen < cost.size(); ++seen) {
+      EXPECT_NEAR(cost[seen] - plain[seen], seen == spent ? 30.0 : 0.0, 1.0)
+          << "spent in " << name(stage) << ", seen in " << name(static_cast<Stage>(seen));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace macula::loopback

@@ -1,0 +1,128 @@
+#include "server/app/options.h"
+
+#include <gtest/gtest.h>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+namespace macula::server_app {
+namespace {
+
+Result<std::variant<Options, PrintAndExit>> parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "macula-server");
+  return parse_options(static_cast<int>(arguments.size()), arguments.data());
+}
+
+Options parsed(const std::vector<const char*>& arguments) {
+  const auto result = parse(arguments);
+  EXPECT_TRUE(result) << result.error().message();
+  return result ? std::get<Options>(*result) : Options{};
+}
+
+std::string error_of(const std::vector<const char*>& arguments) {
+  const auto result = parse(arguments);
+  EXPECT_FALSE(result);
+  return result ? "" : result.error().message();
+}
+
+class SettingsFile : public testing::Test {
+ protected:
+  std::string write(const std::string& text) {
+    std::ofstream(path_) << text;
+    return path_.string();
+  }
+  ~SettingsFile() override { std::filesystem::remove(path_); }
+
+  std::filesystem::path path_ =
+      std::filesystem::path(testing::TempDir()) /
+      ("macula_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) +
+       ".toml");
+};
+
+TEST(Options, DefaultsServeThisMachineOnly) {
+  const Options options = parsed({});
+  EXPECT_EQ(options.bind, "tcp://127.0.0.1:7788");
+  EXPECT_EQ(options.kernel, "auto");
+  EXPECT_FALSE(options.target_ms);
+}
+
+TEST(Options, EveryOptionLandsInItsField) {
+  const Options o = parsed(
+      {"--scene",        "posts",    "--kernel",          "brute",    "--bind",       "tcp://*:1",
+       "--keys",         "k",        "--target-ms",       "12.5",     "--rate-model", "sphere",
+       "--oversampling", "1.5",      "--codec",           "lossless", "--quality",    "70",
+       "--area-samples", "3",        "--ambient-samples", "0",        "--threads",    "2",
+       "--explain",      "--verbose"});
+  EXPECT_EQ(o.scene, "posts");
+  EXPECT_EQ(o.kernel, "brute");
+  EXPECT_EQ(o.bind, "tcp://*:1");
+  EXPECT_EQ(o.keys, "k");
+  EXPECT_EQ(o.target_ms, 12.5);
+  EXPECT_EQ(o.rate_model, "sphere");
+  EXPECT_EQ(o.oversampling, 1.5);
+  EXPECT_EQ(o.codec, "lossless");
+  EXPECT_EQ(o.quality, 70);
+  EXPECT_EQ(o.area_samples, 3);
+  EXPECT_EQ(o.ambient_samples, 0);
+  EXPECT_EQ(o.threads, 2);
+  EXPECT_TRUE(o.explain && o.verbose && !o.list_scenes);
+}
+
+TEST(Options, HelpShowsOptionsAndExamples) {
+  const auto help = parse({"--help"});
+  ASSERT_TRUE(help);
+  const std::string& text = std::get<PrintAndExit>(*help).text;
+  for (const char* part : {"--target-ms", "--list-scenes", "Examples:", "tcp://127.0.0.1:7788"})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
+TEST(Options, ValuesOutOfRangeAreNamedWithWhatIsAllowed) {
+  EXPECT_NE(error_of({"--quality", "0"}).find("--quality"), std::string::npos);
+  EXPECT_NE(error_of({"--quality", "0"}).find("1 to 100"), std::string::npos);
+  EXPECT_NE(error_of({"--target-ms", "-3"}).find("--target-ms"), std::string::npos);
+  EXPECT_NE(error_of({"--target-ms", "nan"}).find("--target-ms"), std::string::npos);
+  EXPECT_NE(error_of({"--oversampling", "1.2"}).find("1.5"), std::string::npos);
+  EXPECT_NE(error_of({"--codec", "gif"}).find("jpeg, lossless"), std::string::npos);
+  EXPECT_NE(error_of({"--rate-model", "flat"}).find("cortical"), std::string::npos);
+  EXPECT_NE(error_of({"--threads", "many"}).find("--threads"), std::string::npos);
+  EXPECT_NE(error_of({"--colour"}).find("--colour"), std::string::npos);
+}
+
+TEST_F(SettingsFile, FillsInWhatTheCommandLineLeavesOpen) {
+  const std::string file =
+      write("scene = \"posts\"\nquality = 60\ntarget_ms = 20\nverbose = true\n");
+  const Options o = parsed({"--config", file.c_str(), "--quality", "70"});
+  EXPECT_EQ(o.scene, "posts");
+  EXPECT_EQ(o.quality, 70);
+  EXPECT_EQ(o.target_ms, 20.0);
+  EXPECT_TRUE(o.verbose);
+}
+
+TEST_F(SettingsFile, AnUnknownKeyIsAnErrorWithItsLine) {
+  const std::string file = write("scene = \"posts\"\n\nqualty = 60\n");
+  const std::string error = error_of({"--config", file.c_str()});
+  EXPECT_NE(error.find(file + ":3"), std::string::npos) << error;
+  EXPECT_NE(error.find("'qualty'"), std::string::npos) << error;
+  EXPECT_NE(error.find("target_ms"), std::string::npos) << "the known keys are listed";
+}
+
+TEST_F(SettingsFile, AValueOfTheWrongTypeIsAnErrorWithItsLine) {
+  const std::string file = write("# a comment\nquality = \"high\"\n");
+  const std::string error = error_of({"--config", file.c_str()});
+  EXPECT_NE(error.find(file + ":2"), std::string::npos) << error;
+}
+
+TEST_F(SettingsFile, BrokenTomlAndMissingFilesAreOneLineErrors) {
+  const std::string file = write("scene = = 3\n");
+  EXPECT_EQ(error_of({"--config", file.c_str()}).find('\n'), std::string::npos);
+  EXPECT_NE(error_of({"--config", "/nowhere.toml"}).find("/nowhere.toml"), std::string::npos);
+}
+
+TEST_F(SettingsFile, WhatIsDescribedCanBeReadBack) {
+  Options told = parsed({"--scene", "posts", "--target-ms", "12.5", "--oversampling", "2"});
+  const std::string file = write(describe(told));
+  EXPECT_EQ(describe(parsed({"--config", file.c_str()})), describe(told));
+}
+
+}  // namespace
+}  // namespace macula::server_app

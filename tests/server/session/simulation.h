@@ -1,0 +1,105 @@
+// A client, a server and the network between them in virtual time: everything random comes from one
+// seed, so a failing seed is a reproducible test. Views and frames may be late, dropped, duplicated
+// and reordered; Hello, Welcome and Refusal keep their order, as on one connection. The server side
+// is the real SessionTable; client, renderer and encoder are models of their timing.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "server/session/session_table.h"
+
+namespace macula::session::test {
+
+/// Probabilities per message, and delays in ms.
+struct Faults {
+  double drop = 0.0, duplicate = 0.0, network_lost = 0.0;
+  double least_delay_ms = 1.0, most_delay_ms = 8.0;
+};
+
+class Simulation {
+ public:
+  explicit Simulation(std::uint64_t seed, const SessionRules& rules = {});
+
+  /// Advances virtual time.
+  void run_for(double ms);
+  void set_faults(const Faults& faults) { faults_ = faults; }
+  /// The server's memory is gone; peers stay connected and must say Hello again.
+  void restart_server();
+  /// The client's process is gone: a new connection of the same key, without a token.
+  void restart_client();
+  /// The client says nothing for a while.
+  void silence_client(double ms);
+
+  double now_ms() const { return static_cast<double>(now_us_) * 1e-3; }
+  double newest_shown_ms() const { return newest_shown_ms_; }
+  std::uint64_t frames_shown() const { return frames_shown_; }
+  const SessionTable& table() const { return *table_; }
+  std::size_t events_pending() const { return events_.size(); }
+  /// The first invariant that broke, in words; empty while all hold.
+  const std::string& violation() const { return violation_; }
+
+  double uniform(double low, double high);
+  bool chance(double probability) { return uniform(0.0, 1.0) < probability; }
+
+ private:
+  struct SentFrame {
+    std::uint32_t epoch = 0;
+    std::uint64_t frame = 0, view_sequence = 0;
+  };
+  ServerTime now() const { return ServerTime{std::chrono::microseconds{now_us_}}; }
+  void after(double ms, std::function<void()> event);
+  void require(bool holds, const std::string& what);
+
+  // The network.
+  void deliver_loosely(std::function<void()> event);
+  void deliver_in_order(double& last_arrival_ms, std::function<void()> event);
+  double delay_ms() { return uniform(faults_.least_delay_ms, faults_.most_delay_ms); }
+
+  // The client.
+  void client_step();
+  void say_hello();
+  void send_view();
+  void on_welcome(const net::Welcome& welcome);
+  void on_frame(const SentFrame& frame);
+
+  // The server.
+  void to_server(const net::ServerEvent& event);
+  void carry_out(const Actions& actions);
+  void release(const ReleaseFrame& action);
+  void try_render();
+  void finish_render(const StartFrame& start);
+  void finish_encode(const StartFrame& start);
+  void check_server();
+
+  SessionRules rules_;
+  std::uint64_t seed_, draws_ = 0;
+  std::int64_t now_us_ = 3'600'000'000;
+  std::multimap<std::int64_t, std::function<void()>> events_;
+  Faults faults_;
+  std::string violation_;
+
+  std::unique_ptr<SessionTable> table_;
+  int server_generation_ = 0, free_jobs_ = 2;
+  bool rendering_ = false;
+  double encoder_free_ms_ = 0.0;
+  std::map<FrameKey, std::uint64_t> view_of_;          ///< frames started, by the view they show
+  std::map<std::uint32_t, FrameKey> newest_released_;  ///< by epoch
+  std::set<FrameKey> stopped_;
+
+  std::uint64_t peer_ = 1;
+  std::uint64_t sequence_ = 0;
+  std::optional<net::Welcome> welcome_;
+  std::optional<net::ResumeToken> token_;
+  double hello_sent_ms_ = -1e9, silent_until_ms_ = -1e9;
+  double uplink_arrival_ms_ = 0.0, downlink_arrival_ms_ = 0.0;
+  std::uint64_t received_ = 0, shown_view_ = 0, frames_shown_ = 0;
+  double newest_shown_ms_ = -1e9;
+};
+
+}  // namespace macula::session::test
