@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "tests/server/visibility/meshes.h"
 

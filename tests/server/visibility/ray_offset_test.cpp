@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "server/sampling/frame.h"
 #include "tests/server/visibility/meshes.h"
