@@ -1,6 +1,7 @@
 #include "client/reprojection/holes.h"
 
-#include <array>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 namespace macula::reprojection {
@@ -63,30 +64,37 @@ void find_lower(const Fragments& fragments, std::vector<Gap>& gaps) {
   }
 }
 
-/// The farthest of the four drawn neighbours; of equally far ones the nearest on the screen.
-Fragment farthest_neighbour(const Fragments& fragments, const Gap& gap) {
-  struct Candidate {
-    int at, distance;
-    bool sideways;
-  };
-  const std::array<Candidate, 4> candidates{{{gap.left, gap.x - gap.left, true},
-                                             {gap.right, gap.right - gap.x, true},
-                                             {gap.upper, gap.y - gap.upper, false},
-                                             {gap.lower, gap.lower - gap.y, false}}};
-  Fragment best;
-  int best_distance = 0;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.at == kNone) continue;
-    const Fragment& there =
-        candidate.sideways ? fragments(candidate.at, gap.y) : fragments(gap.x, candidate.at);
-    const bool farther = there.inverse_depth < best.inverse_depth;
-    const bool nearer_on_screen =
-        there.inverse_depth == best.inverse_depth && candidate.distance < best_distance;
-    if (best.drawn() && !farther && !nearer_on_screen) continue;
-    best = there;
-    best_distance = candidate.distance;
+/// A drawn pixel beside a gap, and the way that leads on from it, away from the gap.
+struct Side {
+  int x, y, step_x, step_y;
+};
+
+/// The fragment a side offers: the one behind the border pixel, where that is the same surface. The
+/// border's own colour is a mixture with what stood before it: its cell was cut by the silhouette.
+Fragment offered_by(const Fragments& fragments, const Side& side) {
+  constexpr float kSameSurface = 0.05F;  // relative step of inverse depth within one surface
+  const Fragment border = fragments(side.x, side.y);
+  const int x = side.x + side.step_x, y = side.y + side.step_y;
+  if (!fragments.contains(x, y) || !fragments(x, y).drawn()) return border;
+  const Fragment behind = fragments(x, y);
+  const float step = std::abs(behind.inverse_depth - border.inverse_depth);
+  return step <= kSameSurface * border.inverse_depth ? behind : border;
+}
+
+Fragment farther_of(const Fragments& fragments, const Side& one, const Side& other) {
+  const Fragment a = offered_by(fragments, one), b = offered_by(fragments, other);
+  return a.inverse_depth <= b.inverse_depth ? a : b;
+}
+
+/// The farther end of the shorter way across the hole: an uncovered strip is filled across its
+/// width, not along its length, where a third surface may begin.
+Fragment farther_neighbour(const Fragments& fragments, const Gap& gap) {
+  const bool sideways = gap.left != kNone && gap.right != kNone;
+  const bool upright = gap.upper != kNone && gap.lower != kNone;
+  if (sideways && (!upright || gap.right - gap.left <= gap.lower - gap.upper)) {
+    return farther_of(fragments, {gap.left, gap.y, -1, 0}, {gap.right, gap.y, 1, 0});
   }
-  return best;
+  return farther_of(fragments, {gap.x, gap.upper, 0, -1}, {gap.x, gap.lower, 0, 1});
 }
 
 }  // namespace
@@ -100,7 +108,7 @@ void classify_and_fill(Fragments& fragments, WarpOptions::Holes holes,
   for (const Gap& gap : gaps) {
     coverage(gap.x, gap.y) = gap.enclosed() ? Coverage::Filled : Coverage::Outside;
     if (gap.enclosed() && holes == WarpOptions::Holes::FillFartherSide) {
-      fills.emplace_back(gap, farthest_neighbour(fragments, gap));
+      fills.emplace_back(gap, farther_neighbour(fragments, gap));
     }
   }
   for (const auto& [gap, fragment] : fills) fragments(gap.x, gap.y) = fragment;

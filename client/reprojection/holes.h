@@ -1,7 +1,6 @@
 // What no triangle reached. A display pixel between drawn ones, sideways or upright, was uncovered
-// by the camera's offset: it gets the place in the frame of its farthest drawn neighbour, because
-// what comes into sight is behind what moved away. Everything else lies beyond the frame. One
-// thread.
+// by the camera's offset: it is filled from the farther end of the shorter way across, because what
+// comes into sight is behind what moved away. Everything else lies beyond the frame. One thread.
 #pragma once
 
 #include "client/reprojection/raster.h"
