@@ -130,13 +130,14 @@ TEST_F(Connection, TwoClientsNeverSeeEachOthersFrames) {
   const std::uint32_t first_epoch = server_.epoch();
   const auto second = join();
   const std::uint32_t second_epoch = server_.epoch();
-  for (std::uint64_t i = 1; i <= 20; ++i) {
+  constexpr std::uint64_t kFrames = 12;  // below what may wait for a peer at once
+  for (std::uint64_t i = 1; i <= kFrames; ++i) {
     server_.endpoint().send_frame(first_peer, make_frame(first_epoch, i, 20'000, 1));
     server_.endpoint().send_frame(peer_, make_frame(second_epoch, i, 20'000, 2));
   }
   const auto all_belong = [](ClientEndpoint& client, std::uint32_t epoch, std::uint64_t seed) {
     std::uint64_t newest = 0;
-    while (newest < 20) {
+    while (newest < kFrames) {
       const auto frame = client.wait_frame(20s);
       if (!frame || frame->begin.epoch != epoch || frame->begin.frame <= newest) return false;
       newest = frame->begin.frame;
