@@ -90,7 +90,7 @@ frames::FramePtr DisplayLoop::fetch(const pose::HeadSample& head) {
 /// The server renders a view once, so the same head is published again, newly stamped, while
 /// waiting: a lost frame must not end the exchange.
 frames::FramePtr DisplayLoop::wait_for_news(const pose::HeadSample& head) {
-  constexpr Nanoseconds kRepeat = std::chrono::milliseconds{100};
+  constexpr Nanoseconds kRepeat = std::chrono::milliseconds{250};  // a server stops at 500
   const auto seen = last_frame_ ? std::optional(last_frame_->id()) : std::nullopt;
   const ClientTime give_up = now() + config_.frame_patience;
   while (true) {

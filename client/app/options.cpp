@@ -21,62 +21,74 @@ struct Typed {
   bool fast = false, loop = false, verbose = false;
 };
 
-void add_viewer_options(CLI::App& app, Typed& typed) {
-  app.add_option("--trace", typed.trace,
-                 "Head and gaze from FILE.csv (t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz); without it a "
-                 "demo trace in headless mode, mouse and keys in a window")
-      ->type_name("FILE.csv");
-  app.add_flag("--loop", typed.loop, "Start the trace again when it ends");
-  app.add_option("--frames", typed.frames, "Stop after N shown frames (0: when the trace ends)")
-      ->type_name("N");
-  app.add_flag("--as-fast-as-possible", typed.fast,
-               "Every refresh waits for a new server frame instead of for the clock; poses still "
-               "advance one refresh period a frame");
-}
+// Each option says its form and, in parentheses, its default; the library's own forms read badly.
 
-void add_display_options(CLI::App& app, Typed& typed) {
-  app.add_option("--display", typed.display, "Default: window where there is a display")
-      ->check(CLI::IsMember({"window", "headless"}));
-  app.add_option("--size", typed.size, "Pixels of one eye")
-      ->type_name("WxH")
-      ->capture_default_str();
-  app.add_option("--fov-deg", typed.fov_deg, "Vertical field of view of one eye, degrees")
-      ->check(CLI::Range(5.0, 150.0))
-      ->capture_default_str();
-  app.add_option("--eyes", typed.eyes)->check(CLI::Range(1, 2))->capture_default_str();
-  app.add_option("--ipd-mm", typed.ipd_mm, "Distance between the eyes")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
-  app.add_option("--refresh", typed.refresh_hz, "Refreshes a second")
-      ->type_name("HZ")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->capture_default_str();
-  app.add_option("--reprojection", typed.reprojection,
-                 "How the newest frame is brought to the pose of the display")
-      ->check(CLI::IsMember({"mesh", "rotation", "stale"}))
-      ->capture_default_str();
-  app.add_option("--out", typed.out,
-                 "Folder for pictures and report.json (headless default: macula-out)")
-      ->type_name("DIR");
-  app.add_option("--picture-every", typed.picture_every, "Write every Nth shown frame as PNG")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+/// A number within [low, high]; the library's own Range lets NaN pass.
+auto within(double low, double high) {
+  return [low, high](const std::string& text) -> std::string {
+    double value = 0.0;
+    const char* const end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data(), end, value);
+    if (parsed.ec == std::errc{} && parsed.ptr == end && value >= low && value <= high) return {};
+    return base::concat("'", text, "' is not a number from ", low, " to ", high);
+  };
 }
 
 void add_server_options(CLI::App& app, Typed& typed) {
-  app.add_option("--connect", typed.connect, "The server")->capture_default_str();
-  app.add_option("--connect-patience", typed.connect_s, "Seconds to wait for the server's welcome")
-      ->type_name("S")
-      ->check(CLI::Range(0.1, 3600.0))
-      ->capture_default_str();
-  app.add_option("--keys", typed.keys, "Key folder (default: $XDG_CONFIG_HOME/macula)")
-      ->type_name("DIR");
-  app.add_option("--codec", typed.codec, "Colour codec to ask the server for")
+  app.add_option("--connect", typed.connect, "Where the server is")
+      ->option_text("ENDPOINT (tcp://127.0.0.1:7788)");
+  app.add_option("--connect-patience", typed.connect_s, "How long to wait for its welcome")
+      ->option_text("SECONDS (10)")
+      ->check(within(0.1, 3600.0));
+  app.add_option("--keys", typed.keys, "Key folder")->option_text("DIR ($XDG_CONFIG_HOME/macula)");
+  app.add_option("--codec", typed.codec, "Colour codec to ask for")
+      ->option_text("jpeg|lossless")
       ->check(CLI::IsMember({"jpeg", "lossless"}));
   app.add_option("--oversampling", typed.oversampling, "Cells per display pixel at the gaze")
+      ->option_text("1|1.5|2|3|4")
       ->check(CLI::IsMember(std::vector<double>{1.0, 1.5, 2.0, 3.0, 4.0}));
-  app.add_option("--rate-model", typed.rate_model, "How sampling falls off from the gaze");
+  app.add_option("--rate-model", typed.rate_model,
+                 "How sampling falls off from the gaze; an unknown name lists them")
+      ->option_text("NAME");
+}
+
+void add_viewer_options(CLI::App& app, Typed& typed) {
+  app.add_option("--trace", typed.trace,
+                 "Head and gaze: t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz. Without one: mouse and keys in "
+                 "a window, else a demo trace")
+      ->option_text("FILE.csv");
+  app.add_flag("--loop", typed.loop, "Start the trace again when it ends");
+  app.add_option("--frames", typed.frames, "Stop after N shown frames")
+      ->option_text("N (when the trace ends)");
+  app.add_flag("--as-fast-as-possible", typed.fast,
+               "Every refresh waits for a new server frame instead of for the clock; poses still "
+               "advance one refresh period each");
+}
+
+void add_display_options(CLI::App& app, Typed& typed) {
+  app.add_option("--display", typed.display)
+      ->option_text("window|headless (window where there is one)")
+      ->check(CLI::IsMember({"window", "headless"}));
+  app.add_option("--size", typed.size, "Pixels of one eye")->option_text("WxH (640x640)");
+  app.add_option("--fov-deg", typed.fov_deg, "Vertical field of view of one eye, 5 to 150")
+      ->option_text("DEGREES (80)")
+      ->check(within(5.0, 150.0));
+  app.add_option("--eyes", typed.eyes)->option_text("1|2 (2)")->check(CLI::Range(1, 2));
+  app.add_option("--ipd-mm", typed.ipd_mm, "Distance between the eyes, 0 to 100")
+      ->option_text("MM (63)")
+      ->check(within(0.0, 100.0));
+  app.add_option("--refresh", typed.refresh_hz, "Refreshes a second, 1 to 1000")
+      ->option_text("HZ (72)")
+      ->check(within(1.0, 1000.0));
+  app.add_option("--reprojection", typed.reprojection,
+                 "How the newest frame is brought to the display's pose")
+      ->option_text("mesh|rotation|stale (mesh)")
+      ->check(CLI::IsMember({"mesh", "rotation", "stale"}));
+  app.add_option("--out", typed.out, "Folder for pictures and report.json")
+      ->option_text("DIR (headless: macula-out)");
+  app.add_option("--picture-every", typed.picture_every, "Write every Nth shown frame as PNG")
+      ->option_text("N (12)")
+      ->check(CLI::Range(1, 1'000'000));
   app.add_flag("--verbose", typed.verbose, "Tell more");
 }
 

@@ -9,7 +9,7 @@ namespace macula::pose {
 void SaccadeCounter::add(const HeadSample& sample) {
   const ClientTime at = sample.gaze_at;
   if (!sample.gaze.valid || (last_jump_ && at - *last_jump_ < within_)) return;
-  while (!recent_.empty() && at - recent_.front().at > within_) recent_.pop_front();
+  while (recent_.size() > 1 && at - recent_.front().at > within_) recent_.pop_front();
   const Vec3 direction = sample.gaze.direction;
   const bool jumped = std::any_of(recent_.begin(), recent_.end(), [&](const Look& look) {
     return Degrees{foveation::eccentricity(look.direction, direction)} > least_;
@@ -18,9 +18,8 @@ void SaccadeCounter::add(const HeadSample& sample) {
     ++count_;
     last_jump_ = at;
     recent_.clear();
-  } else {
-    recent_.push_back({at, direction});
   }
+  recent_.push_back({at, direction});
 }
 
 }  // namespace macula::pose

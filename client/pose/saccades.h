@@ -1,5 +1,6 @@
 // SaccadeCounter: how often the gaze jumped. A jump is a turn of more than 10 degrees in the head
-// frame within 100 ms; for the next 100 ms, the rest of a large saccade, nothing counts.
+// frame within 100 ms, or between two samples that lie further apart than that; for the next 100
+// ms, the rest of a large saccade, nothing counts.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,7 @@ class SaccadeCounter {
   };
   Degrees least_;
   Nanoseconds within_;
-  std::deque<Look> recent_;  // no older than within_
+  std::deque<Look> recent_;  // no older than within_, but always the last
   std::optional<ClientTime> last_jump_;
   std::uint64_t count_ = 0;
 };

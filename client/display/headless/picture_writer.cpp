@@ -16,7 +16,7 @@ constexpr std::size_t kMostWaiting = 8;
 constexpr std::array<const char*, 2> kEyeNames = {"left", "right"};
 
 std::string eye_name(std::size_t eye) {
-  return eye < kEyeNames.size() ? kEyeNames[eye] : "eye" + std::to_string(eye);
+  return eye < kEyeNames.size() ? kEyeNames[eye] : std::to_string(eye);
 }
 
 std::string frame_name(std::uint64_t shown, std::size_t eye) {
@@ -95,11 +95,12 @@ image::Plane<Rgb8> PictureWriter::make_sheet() const {
 Result<void> PictureWriter::finish(const EyePictures& last, const EyePictures& rate_maps) {
   jobs_.close();
   if (thread_.joinable()) thread_.join();
-  for (std::size_t eye = 0; eye < last.size(); ++eye) write(eye_name(eye) + ".png", last[eye]);
+  for (std::size_t eye = 0; eye < last.size(); ++eye)
+    write("eye_" + eye_name(eye) + ".png", last[eye]);
   if (!thumbnails_.empty()) write("contact_sheet.png", make_sheet());
   if (!rate_maps.empty()) {
-    write("foveation_map.png", image::contact_sheet(rate_maps, static_cast<int>(rate_maps.size()),
-                                                    rate_maps.front().width()));
+    write("rate_map.png", image::contact_sheet(rate_maps, static_cast<int>(rate_maps.size()),
+                                               rate_maps.front().width()));
   }
   return first_error_;
 }

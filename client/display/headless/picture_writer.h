@@ -1,7 +1,7 @@
 // PictureWriter: PNG files of what was shown, written by a thread of its own so that the display
 // loop's pace does not depend on the disk. When the disk cannot keep up pictures are skipped and
 // counted, never waited for. Files in the folder: frames/NNNNNN_left.png and _right.png for every
-// Nth shown frame, left.png and right.png of the last, contact_sheet.png, foveation_map.png.
+// Nth shown frame, eye_left.png and eye_right.png of the last, contact_sheet.png, rate_map.png.
 #pragma once
 
 #include <atomic>

@@ -36,6 +36,15 @@ TEST(SaccadeCounter, LeavesSmallOnesAndSlowDriftOut) {
   EXPECT_EQ(count([](double ms) { return 0.05 * ms; }), 0U);  // 50 deg/s pursuit
 }
 
+// A display that refreshes five times a second never sees the saccade itself.
+TEST(SaccadeCounter, SeesAJumpBetweenSamplesThatLieFarApart) {
+  SaccadeCounter counter;
+  for (const double ms : {0.0, 200.0, 400.0, 600.0}) {
+    counter.add(looking(ms, ms < 300.0 ? 0.0 : 15.0));
+  }
+  EXPECT_EQ(counter.count(), 1U);
+}
+
 TEST(SaccadeCounter, PassesOverInvalidGaze) {
   SaccadeCounter counter;
   counter.add(looking(0.0, 0.0));
