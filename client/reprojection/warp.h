@@ -34,7 +34,7 @@ struct WarpOptions {
   float cut_px = 0.75F;
   enum class Holes { FillFartherSide, LeaveBlack };
   Holes holes = Holes::FillFartherSide;
-  /// Between cell centres. CatmullRom keeps detail that Bilinear blurs, by up to 4 dB on fine
+  /// Between cell centres. CatmullRom keeps detail that Bilinear blurs (4 dB on waves of 7.5 cells).
   /// textures.
   enum class Filter { Bilinear, CatmullRom };
   Filter filter = Filter::CatmullRom;

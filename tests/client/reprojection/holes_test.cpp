@@ -52,10 +52,31 @@ TEST(Holes, OneSideAloneIsBeyondTheFramesEdge) {
   EXPECT_EQ(filled(fragments_of({".NN.", "...."})), Rows({".NN.", "...."}));
 }
 
+TEST(Holes, AreFilledAcrossTheirWidthNotAlongTheirLength) {
+  // A post (N) moved right and uncovered a ball (F) before the sky, two pixels wide, four long.
+  EXPECT_EQ(filled(fragments_of({"SSSS", "F..N", "F..N", "F..N", "F..N", "SSSS"})),
+            Rows({"SSSS", "FffN", "FffN", "FffN", "FffN", "SSSS"}));
+  EXPECT_EQ(filled(fragments_of({"SFFFFS", "S....S", "SNNNNS"})),
+            Rows({"SFFFFS", "SffffS", "SNNNNS"}));
+}
+
+TEST(Holes, TheColourComesFromBehindTheMixedBorderOfTheSameSurface) {
+  Fragments row = fragments_of({"NN.FFF"});
+  row(3, 0).u = 7.0F;  // the border cell, whose colour is mixed with what stood before it
+  row(4, 0).u = 8.0F;
+  image::Plane<Coverage> coverage;
+  Fragments same = row;
+  classify_and_fill(same, WarpOptions::Holes::FillFartherSide, coverage);
+  EXPECT_EQ(same(2, 0).u, 8.0F);
+  Fragments other = row;
+  other(4, 0).inverse_depth = 0.1F;  // another surface begins right behind
+  classify_and_fill(other, WarpOptions::Holes::FillFartherSide, coverage);
+  EXPECT_EQ(other(2, 0).u, 7.0F);
+}
+
 TEST(Holes, FillsDoNotFeedOnFills) {
-  // The middle column takes the sky above its hole; the left hole has no sky in its row or column.
-  EXPECT_EQ(filled(fragments_of({"NSN", "N.N", "FNF", "F.N"})), Rows({"NSN", "NsN", "FNF", "FfN"}));
-  EXPECT_EQ(filled(fragments_of({"NNS", "N.N", "N.F", "NNN"})), Rows({"NNS", "NnN", "NfF", "NNN"}));
+  // The hole in the third row would take the sky, had the one above it been filled first.
+  EXPECT_EQ(filled(fragments_of({"SSS", "S.N", "N.N", "NNN"})), Rows({"SSS", "SsN", "NnN", "NNN"}));
 }
 
 }  // namespace
