@@ -7,19 +7,19 @@
 namespace macula::pose {
 
 void SaccadeCounter::add(const HeadSample& sample) {
-  const ClientTime at = sample.gaze_at;
-  if (!sample.gaze.valid || (last_jump_ && at - *last_jump_ < within_)) return;
-  while (recent_.size() > 1 && at - recent_.front().at > within_) recent_.pop_front();
-  const Vec3 direction = sample.gaze.direction;
-  const bool jumped = std::any_of(recent_.begin(), recent_.end(), [&](const Look& look) {
-    return Degrees{foveation::eccentricity(look.direction, direction)} > least_;
+  if (!sample.gaze.valid) return;
+  const Look now{sample.gaze_at, sample.gaze.direction};
+  while (recent_.size() > 1 && now.at - recent_.front().at > within_) recent_.pop_front();
+  const bool in_the_last_jump = last_jump_ && now.at - *last_jump_ < within_;
+  const bool moved = std::any_of(recent_.begin(), recent_.end(), [&](const Look& look) {
+    return Degrees{foveation::eccentricity(look.direction, now.direction)} > least_;
   });
-  if (jumped) {
+  if (moved && !in_the_last_jump) {
     ++count_;
-    last_jump_ = at;
-    recent_.clear();
+    last_jump_ = now.at;
   }
-  recent_.push_back({at, direction});
+  if (moved || in_the_last_jump) recent_.clear();
+  recent_.push_back(now);
 }
 
 }  // namespace macula::pose
