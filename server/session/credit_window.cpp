@@ -101,13 +101,15 @@ AckVerdict CreditWindow::acknowledge(const net::Acks& acks, ServerTime received)
   return AckVerdict::Taken;
 }
 
-Nanoseconds CreditWindow::loss_timeout() const {
-  const Nanoseconds rtt = rtt_.latest().value_or(Nanoseconds::zero());
+// By the least round trip: a client that was silent acknowledges late, and that says nothing about
+// the link. Queues that make round trips longer show as receiving progress.
+Nanoseconds CreditWindow::loss_timeout(ServerTime now) const {
+  const Nanoseconds rtt = rtt_.least(now).value_or(Nanoseconds::zero());
   return std::max(rules_.least_loss_timeout, rules_.loss_timeout_rtts * rtt);
 }
 
 int CreditWindow::expire(ServerTime now) {
-  const Nanoseconds timeout = loss_timeout();
+  const Nanoseconds timeout = loss_timeout(now);
   return static_cast<int>(std::erase_if(in_flight_, [&](const InFlight& f) {
     return now - std::max(f.since, last_progress_) > timeout;
   }));

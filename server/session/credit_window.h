@@ -64,7 +64,7 @@ class CreditWindow {
   void pair(Handed& handed, ServerTime now);
   void note_progress(const net::Acks& acks, ServerTime received);
   double sends_per_second(ServerTime now) const;
-  Nanoseconds loss_timeout() const;
+  Nanoseconds loss_timeout(ServerTime now) const;
 
   SessionRules rules_;
   std::uint64_t last_started_ = 0, last_sent_ = 0, newest_received_ = 0;

@@ -10,7 +10,6 @@ constexpr std::size_t kMostSamples = 64;
 
 void RttWindow::add(Nanoseconds rtt, ServerTime at) {
   if (rtt < Nanoseconds::zero()) return;
-  latest_ = rtt;
   // A newer sample that is not larger makes the older ones irrelevant for every later minimum.
   while (!rising_.empty() && rising_.back().rtt >= rtt) rising_.pop_back();
   rising_.push_back({rtt, at});

@@ -1,6 +1,6 @@
 // Round-trip time of frames: from the last byte handed to the network to the acknowledgement's
-// arrival. The minimum over a sliding window is the link without its queues; the latest sample
-// includes them. A value: one owner, no clock of its own, at most 64 samples.
+// arrival. The minimum over a sliding window is the link without its queues and the client's
+// pauses. A value: one owner, no clock of its own, at most 64 samples.
 #pragma once
 
 #include <deque>
@@ -16,8 +16,6 @@ class RttWindow {
   void add(Nanoseconds rtt, ServerTime at);
   /// Least sample of the last 10 s before `now`; nullopt when there is none.
   std::optional<Nanoseconds> least(ServerTime now) const;
-  /// Newest sample, however old; nullopt before the first.
-  std::optional<Nanoseconds> latest() const { return latest_; }
 
  private:
   struct Sample {
@@ -25,7 +23,6 @@ class RttWindow {
     ServerTime at;
   };
   std::deque<Sample> rising_;  ///< rtt rises from front to back: the front is the least
-  std::optional<Nanoseconds> latest_;
 };
 
 }  // namespace macula::session
