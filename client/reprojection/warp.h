@@ -34,8 +34,7 @@ struct WarpOptions {
   float cut_px = 0.75F;
   enum class Holes { FillFartherSide, LeaveBlack };
   Holes holes = Holes::FillFartherSide;
-  /// Between cell centres. CatmullRom keeps detail that Bilinear blurs (4 dB on waves of 7.5 cells).
-  /// textures.
+  /// Between cell centres. CatmullRom keeps detail that Bilinear blurs: 4 dB on waves of 7.5 cells.
   enum class Filter { Bilinear, CatmullRom };
   Filter filter = Filter::CatmullRom;
 };
