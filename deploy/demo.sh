@@ -54,5 +54,5 @@ if [ "$display" = window ]; then
   echo "demo: a window shows $scene; close it (Esc) and the headless pictures follow"
   "$bin/macula-client" --connect "$endpoint" --keys "$keys" --display window || true
 fi
-"$bin/macula-client" --connect "$endpoint" --keys "$keys" --display headless --frames "$frames" --out "$out"
-echo "demo: look at $out/contact_sheet.png, $out/eye_left.png, $out/eye_right.png, $out/rate_map.png and $out/report.json"
+"$bin/macula-client" --connect "$endpoint" --keys "$keys" --display headless --loop --frames "$frames" --out "$out"
+echo "demo: look at $out/contact_sheet.png, left.png, right.png, foveation_map.png and report.json beside it"
