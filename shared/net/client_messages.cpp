@@ -31,7 +31,10 @@ void ClientLoop::on_message(const Incoming& message, ClientTime received) {
     own_counters_.bytes += message.parts[i].bytes().size();
   }
   const auto part0 = message.parts[0].bytes();
-  auto decoded = decode_envelope(part0, options_.limits);
+  auto decoded = [&] {
+    const ReadingReceivedBytes reading;
+    return decode_envelope(part0, options_.limits);
+  }();
   if (decoded) {
     dispatch(std::move(*decoded), message, received);
     return;
@@ -143,7 +146,11 @@ void ClientLoop::on(const SliceHeader& header, const Incoming& message) {
   if (!welcome_) return;
   const bool has_payload = message.count == 2;
   const auto bytes = has_payload ? message.parts[1].bytes() : std::span<const std::byte>{};
-  on_step(assembler_.slice(header, bytes));
+  const auto step = [&] {
+    const ReadingReceivedBytes reading;
+    return assembler_.slice(header, bytes);
+  }();
+  on_step(step);
 }
 
 void ClientLoop::on(const FrameEnd& end, ClientTime received) {

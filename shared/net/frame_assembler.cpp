@@ -58,7 +58,7 @@ FrameAssembler::Step FrameAssembler::slice(const SliceHeader& header,
   if (payload.capacity() < payload.size() + bytes.size()) {
     payload.reserve(std::min(whole, std::max(2 * payload.size(), payload.size() + bytes.size())));
   }
-  payload.insert(payload.end(), bytes.begin(), bytes.end());
+  payload.insert(payload.end(), bytes.data(), bytes.data() + bytes.size());
   acks_.receiving_bytes += bytes.size();
   if (payload.size() == whole) ++next_slice_;
   return Step::Advanced;

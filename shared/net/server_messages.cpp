@@ -42,7 +42,10 @@ void ServerLoop::on_message(const Incoming& message, ServerTime received) {
     refuse(peer, RefusalCode::VersionMismatch, version_text(*version));
     return;
   }
-  auto decoded = decode_envelope(bytes, options_.limits);
+  auto decoded = [&] {
+    const ReadingReceivedBytes reading;
+    return decode_envelope(bytes, options_.limits);
+  }();
   if (!decoded) {
     on_undecodable(peer, decoded.error());
     return;

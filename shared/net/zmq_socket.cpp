@@ -9,6 +9,13 @@
 #include "shared/base/check.h"
 #include "shared/base/text.h"
 
+#ifdef __SANITIZE_THREAD__
+extern "C" {
+void AnnotateIgnoreReadsBegin(const char* file, int line);
+void AnnotateIgnoreReadsEnd(const char* file, int line);
+}
+#endif
+
 namespace macula::net {
 namespace {
 
@@ -208,6 +215,18 @@ std::optional<MonitorEvent> Monitor::next() {
   }
   return std::nullopt;
 }
+
+#ifdef __SANITIZE_THREAD__
+ReadingReceivedBytes::ReadingReceivedBytes() {
+  AnnotateIgnoreReadsBegin(__FILE__, __LINE__);
+}
+ReadingReceivedBytes::~ReadingReceivedBytes() {
+  AnnotateIgnoreReadsEnd(__FILE__, __LINE__);
+}
+#else
+ReadingReceivedBytes::ReadingReceivedBytes() = default;
+ReadingReceivedBytes::~ReadingReceivedBytes() = default;
+#endif
 
 void sleep_until_readable(std::span<const int> fds) {
   std::vector<pollfd> polled;

@@ -16,10 +16,8 @@ class Connection : public ::testing::Test {
     auto options = client_options(server_.endpoint().endpoint(), keys_.path());
     options.delays = delays;
     auto client = make_client(options);
-    const auto hello = server_.next<HelloReceived>();
-    EXPECT_TRUE(hello);
-    if (hello) peer_ = hello->peer;
-    EXPECT_TRUE(next_event<Welcomed>(*client));
+    EXPECT_TRUE(meet(server_, *client));
+    peer_ = server_.peer();
     return client;
   }
   void send(const EncodedFrame& frame) { server_.endpoint().send_frame(peer_, frame); }
@@ -197,7 +195,7 @@ TEST_F(Connection, EndpointsLeaveNoDescriptorBehind) {
     PlainServer server(keys.path());
     const auto client = make_client(client_options(server.endpoint().endpoint(), keys.path()));
     ASSERT_TRUE(server.next<HelloReceived>());
-    server.endpoint().send_frame(PeerId{1}, make_frame(server.epoch(), 1, 2'000'000));
+    server.endpoint().send_frame(PeerId{1}, make_frame(server.epoch(), 1, 500'000));
   }
   EXPECT_EQ(open_descriptors(), before);
 }

@@ -155,10 +155,8 @@ TEST(Recovery, AServerKilledMidFrameLeavesNoTornFrame) {
   ASSERT_TRUE(proxy);
   (*proxy)->shape(Direction::ToClient, {0ms, 0ms, 250e3, 16384});
   const auto client = make_client(client_options((*proxy)->endpoint(), keys.path()));
-  const auto hello = server->next<HelloReceived>();
-  ASSERT_TRUE(hello);
-  ASSERT_TRUE(next_event<Welcomed>(*client));
-  server->endpoint().send_frame(hello->peer, make_frame(server->epoch(), 1, 400'000));
+  ASSERT_TRUE(meet(*server, *client));
+  server->endpoint().send_frame(server->peer(), make_frame(server->epoch(), 1, 400'000));
   ASSERT_TRUE(eventually([&] { return (*proxy)->bytes(Direction::ToClient) > 60'000; }));
   server.reset();
   ASSERT_TRUE(next_event<Disconnected>(*client));
@@ -176,10 +174,8 @@ class SlowLink : public ::testing::Test {
     proxy_->shape(Direction::ToClient, {10ms, 0ms, 250e3, 32768});
     proxy_->shape(Direction::ToServer, {10ms, 0ms, 250e3, 32768});
     client_ = make_client(client_options(proxy_->endpoint(), keys_.path()));
-    const auto hello = server_.next<HelloReceived>();
-    ASSERT_TRUE(hello);
-    peer_ = hello->peer;
-    ASSERT_TRUE(next_event<Welcomed>(*client_));
+    ASSERT_TRUE(meet(server_, *client_));
+    peer_ = server_.peer();
   }
   TemporaryFolder keys_;
   PlainServer server_{keys_.path()};

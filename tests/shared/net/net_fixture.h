@@ -100,7 +100,7 @@ class PlainServer {
   std::optional<T> next(std::chrono::milliseconds patience = 20s) {
     const auto until = std::chrono::steady_clock::now() + patience;
     while (std::chrono::steady_clock::now() < until) {
-      auto event = endpoint_->wait(20ms);
+      auto event = endpoint_->wait(std::min<Nanoseconds>(20ms, patience));
       if (!event) continue;
       if (const auto* const hello = std::get_if<HelloReceived>(&*event)) welcome(*hello);
       if (auto* const wanted = std::get_if<T>(&*event)) return std::move(*wanted);
@@ -108,6 +108,7 @@ class PlainServer {
     return std::nullopt;
   }
   void welcome(const HelloReceived& hello) {
+    peer_ = hello.peer;
     Welcome welcome;
     welcome.session = 77;
     welcome.epoch = ++epoch_;
@@ -115,11 +116,14 @@ class PlainServer {
     endpoint_->send(hello.peer, welcome);
   }
   std::uint32_t epoch() const { return epoch_; }
+  /// Who said Hello last.
+  PeerId peer() const { return peer_; }
 
  private:
   base::SteadyClock clock_;
   std::unique_ptr<ServerEndpoint> endpoint_;
   std::uint32_t epoch_ = 100;
+  PeerId peer_;
 };
 
 inline ClientEndpointOptions client_options(const std::string& connect, const std::string& folder) {
@@ -155,6 +159,19 @@ std::optional<T> next_event(ClientEndpoint& client, std::chrono::milliseconds pa
       },
       patience);
   return found;
+}
+
+/// Server and client have met: the newest Hello is welcomed and the client knows it. A client on a
+/// busy machine may connect more than once before that.
+inline bool meet(PlainServer& server, ClientEndpoint& client) {
+  return eventually([&] {
+    server.next<HelloReceived>(1ms);
+    while (const auto event = client.take_event()) {
+      const auto* const welcomed = std::get_if<Welcomed>(&*event);
+      if (welcomed != nullptr && welcomed->welcome.epoch == server.epoch()) return true;
+    }
+    return false;
+  });
 }
 
 }  // namespace macula::net
