@@ -3,6 +3,7 @@
 // per solid angle or per area of the target. Pure functions.
 #pragma once
 
+#include "server/sampling/batch.h"
 #include "shared/math/vec.h"
 
 namespace macula::sampling {
@@ -18,5 +19,10 @@ Vec3 uniform_sphere(const Vec2& u);
 /// Barycentrics (b1, b2) of vertices 1 and 2, b1, b2, 1 - b1 - b2 >= 0, pdf 1/area.
 /// Low-distortion map of Heitz (2019).
 Vec2 uniform_triangle(const Vec2& u);
+
+/// `count` directions about `normals`, each cosine_hemisphere in the frame of frame.h, mirrored at
+/// the plane of its unit vector of `sides` where it lies behind that.
+void cosine_directions(const Vec2Batch& u, const Vec3Batch& normals, const Vec3Batch& sides,
+                       std::size_t count, Vec3Batch& directions);
 
 }  // namespace macula::sampling

@@ -1,7 +1,5 @@
 #include "server/sampling/sobol.h"
 
-#include "shared/math/hash.h"
-
 namespace macula::sampling {
 namespace {
 
@@ -9,8 +7,7 @@ std::uint32_t reverse_bits(std::uint32_t x) {
   x = ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
   x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
   x = ((x >> 4) & 0x0F0F0F0FU) | ((x & 0x0F0F0F0FU) << 4);
-  x = ((x >> 8) & 0x00FF00FFU) | ((x & 0x00FF00FFU) << 8);
-  return (x >> 16) | (x << 16);
+  return __builtin_bswap32(x);
 }
 
 /// Each bit of the result depends only on the bits at and below its place: on reversed bits that is
@@ -25,18 +22,15 @@ std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
-  return reverse_bits(laine_karras(reverse_bits(x), seed));
-}
-
-/// Second dimension of Sobol's sequence: its direction numbers are Pascal's triangle mod 2.
-std::uint32_t sobol_second(std::uint32_t index) {
-  std::uint32_t result = 0;
-  for (std::uint32_t direction = 0x80000000U; index != 0; index >>= 1) {
-    if ((index & 1U) != 0) result ^= direction;
-    direction ^= direction >> 1;
-  }
-  return result;
+/// Second dimension of Sobol's sequence, bits reversed. Its direction numbers are Pascal's triangle
+/// mod 2: bit i of the index brings the coefficients of (1 + t)^i, so the whole is the index read
+/// as a polynomial over GF(2) and shifted from t to t + 1, one power of two a step.
+std::uint32_t sobol_second_reversed(std::uint32_t index) {
+  index ^= (index >> 1) & 0x55555555U;
+  index ^= (index >> 2) & 0x33333333U;
+  index ^= (index >> 4) & 0x0F0F0F0FU;
+  index ^= (index >> 8) & 0x00FF00FFU;
+  return index ^ (index >> 16);
 }
 
 float unit_float(std::uint32_t bits) {
@@ -46,12 +40,11 @@ float unit_float(std::uint32_t bits) {
 }  // namespace
 
 Vec2 sobol_owen_2d(std::uint32_t index, std::uint32_t seed) {
-  const std::uint64_t order_and_x = math::hash_mix(seed);
-  const std::uint64_t y = math::hash_mix(order_and_x);
-  const std::uint32_t shuffled = owen_scramble(index, static_cast<std::uint32_t>(order_and_x));
-  return {unit_float(
-              owen_scramble(reverse_bits(shuffled), static_cast<std::uint32_t>(order_and_x >> 32))),
-          unit_float(owen_scramble(sobol_second(shuffled), static_cast<std::uint32_t>(y)))};
+  const Scrambling scrambling(seed);
+  const std::uint32_t shuffled = reverse_bits(laine_karras(reverse_bits(index), scrambling.order));
+  // The first dimension is the reversed index, and scrambling works on reversed bits.
+  return {unit_float(reverse_bits(laine_karras(shuffled, scrambling.x))),
+          unit_float(reverse_bits(laine_karras(sobol_second_reversed(shuffled), scrambling.y)))};
 }
 
 }  // namespace macula::sampling
