@@ -10,6 +10,9 @@ namespace {
 /// Meshes below this many triangles are copied per instance: entering an instance costs more than
 /// their share of the top level.
 constexpr std::size_t kFewTriangles = 256;
+/// Below this many triangles a packet finds its few nodes in the nearest cache whatever its rays'
+/// directions, and beats a stream.
+constexpr std::size_t kLeastForStreams = 1000;
 
 RTCBuildQuality build_quality(BuildQuality quality) {
   switch (quality) {
@@ -68,7 +71,11 @@ void alpha_filter(const RTCFilterFunctionNArguments* call) {
 class Builder {
  public:
   Builder(const scene::Scene& scene, const Options& options, SceneState& state)
-      : scene_(scene), options_(options), state_(state), uses_(scene.meshes.size(), 0) {}
+      : scene_(scene),
+        options_(options),
+        state_(state),
+        all_flat_(scene.triangle_count() <= options.flat_triangles),
+        uses_(scene.meshes.size(), 0) {}
   /// Fills state; a device error shows up in state.device_error.
   void build();
 
@@ -84,6 +91,7 @@ class Builder {
   const scene::Scene& scene_;
   const Options& options_;
   SceneState& state_;
+  const bool all_flat_;
   std::vector<std::size_t> uses_;              ///< instances of each mesh
   std::map<scene::Index, RTCScene> children_;  ///< of shared meshes, owned until build() ends
   std::map<scene::Index, const AlphaTest*> alpha_tests_;
@@ -164,7 +172,7 @@ RTCGeometry Builder::new_instance_of(RTCScene child, const DMat4& transform) con
 }
 
 bool Builder::goes_flat(const scene::Instance& instance) const {
-  return uses_[instance.mesh] < 2 ||
+  return all_flat_ || uses_[instance.mesh] < 2 ||
          scene_.meshes[instance.mesh].triangles.size() < kFewTriangles ||
          !is_invertible(DMat3(instance.world_from_object));
 }
@@ -237,6 +245,8 @@ Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::
   }
   rtcSetDeviceErrorFunction(state->device, keep_first_error, state.get());
   state->packet_width = visibility::packet_width(state->device, options.packets);
+  state->scatters =
+      options.packets == PacketWidth::Device && scene.triangle_count() >= kLeastForStreams;
   Builder(scene, options, *state).build();
   if (!state->device_error.empty()) {
     return base::runtime_error("Embree cannot build the scene: " + state->device_error, scene.name,

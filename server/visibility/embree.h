@@ -44,6 +44,10 @@ struct OccludedCall {
   void trace(const int* valid, RTCScene scene, RTCRay16& r) {
     rtcOccluded16(valid, scene, &r, &arguments);
   }
+  /// Embree 4 has no streams.
+  void trace(RTCScene scene, RTCRay* rays, unsigned count) {
+    for (unsigned i = 0; i < count; ++i) rtcOccluded1(scene, rays + i, &arguments);
+  }
 };
 #else
 struct ContextCall {
@@ -72,6 +76,10 @@ struct OccludedCall : ContextCall {
   }
   void trace(const int* valid, RTCScene scene, RTCRay16& r) {
     rtcOccluded16(valid, scene, &context, &r);
+  }
+  /// Rays of any directions together: nodes are fetched once for all of them that pass.
+  void trace(RTCScene scene, RTCRay* rays, unsigned count) {
+    rtcOccluded1M(scene, &context, rays, count, sizeof(RTCRay));
   }
 };
 #endif

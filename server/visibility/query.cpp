@@ -1,6 +1,6 @@
 // Streams of rays through Embree, one packet at a time.
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "server/visibility/state.h"
@@ -37,10 +37,15 @@ T* lanes(T (&array)[kWidth]) {
   return array;
 }
 
-/// Copies `n` values of a stream into the first lanes of a packet.
-template <class Lanes>
+/// Copies `n` values of a stream into the first lanes of a packet; whole packets at constant
+/// length, as vectors. The lanes of a tail keep what they had: Embree looks at idle lanes, too.
+template <int kWidth, class Lanes>
 void load(Lanes& out, const float* in, int n) {
-  std::memcpy(lanes(out), in, static_cast<std::size_t>(n) * sizeof(float));
+  if (n == kWidth) {
+    std::copy_n(in, kWidth, lanes(out));
+  } else {
+    std::copy_n(in, n, lanes(out));
+  }
 }
 
 /// x - x is 0 exactly for finite x, NaN otherwise.
@@ -55,26 +60,37 @@ bool is_finite_ray(const RayStream& rays, int i) {
 template <int kWidth>
 struct alignas(64) Valid {
   int lane[kWidth] = {};
+  int any = 0;
 };
+
+/// What Embree reads of a ray and never changes.
+template <int kWidth, class EmbreeRay>
+void set_constants(EmbreeRay& ray) {
+  for (int i = 0; i < kWidth; ++i) {
+    lanes(ray.time)[i] = 0.0F;
+    lanes(ray.mask)[i] = ~0U;
+    lanes(ray.flags)[i] = 0;
+  }
+}
 
 template <int kWidth>
 Valid<kWidth> load_rays(const RayStream& rays, int first, typename Packet<kWidth>::Ray& out) {
+  static_assert(kStreamCapacity % kWidth == 0);
   const int n = std::min(kWidth, rays.count - first);
-  load(out.org_x, rays.ox + first, n);
-  load(out.org_y, rays.oy + first, n);
-  load(out.org_z, rays.oz + first, n);
-  load(out.dir_x, rays.dx + first, n);
-  load(out.dir_y, rays.dy + first, n);
-  load(out.dir_z, rays.dz + first, n);
-  load(out.tnear, rays.tnear + first, n);
-  load(out.tfar, rays.tfar + first, n);
+  load<kWidth>(out.org_x, rays.ox + first, n);
+  load<kWidth>(out.org_y, rays.oy + first, n);
+  load<kWidth>(out.org_z, rays.oz + first, n);
+  load<kWidth>(out.dir_x, rays.dx + first, n);
+  load<kWidth>(out.dir_y, rays.dy + first, n);
+  load<kWidth>(out.dir_z, rays.dz + first, n);
+  load<kWidth>(out.tnear, rays.tnear + first, n);
+  load<kWidth>(out.tfar, rays.tfar + first, n);
   Valid<kWidth> valid;
-  for (int i = 0; i < n; ++i) {
-    lanes(out.time)[i] = 0.0F;
-    lanes(out.mask)[i] = ~0U;
-    lanes(out.flags)[i] = 0;
-    const bool runs = rays.tnear[first + i] <= rays.tfar[first + i];
-    valid.lane[i] = runs && is_finite_ray(rays, first + i) ? -1 : 0;
+  for (int i = 0; i < kWidth; ++i) {
+    const int ray = first + i;
+    const bool runs = (rays.tnear[ray] <= rays.tfar[ray]) & is_finite_ray(rays, ray);
+    valid.lane[i] = runs & (i < n) ? -1 : 0;
+    valid.any |= valid.lane[i];
   }
   return valid;
 }
@@ -110,11 +126,12 @@ void intersect_stream(const RayStream& rays, const SceneState& state, Coherence 
                       HitStream& hits) {
   embree::IntersectCall call(coherence);
   typename Packet<kWidth>::RayHit packet{};
+  set_constants<kWidth>(packet.ray);
   for (int first = 0; first < rays.count; first += kWidth) {
     const int n = std::min(kWidth, rays.count - first);
     const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet.ray);
     clear_ids(packet.hit, n);
-    if (kWidth > 1 || valid.lane[0] != 0) call.trace(valid.lane, state.top, packet);
+    if (valid.any != 0) call.trace(valid.lane, state.top, packet);
     for (int i = 0; i < n; ++i) store_hit(packet, i, state, hits, first + i);
   }
 }
@@ -124,14 +141,44 @@ void occlude_stream(const RayStream& rays, const SceneState& state, Coherence co
                     OcclusionStream& result) {
   embree::OccludedCall call(coherence);
   typename Packet<kWidth>::Ray packet{};
+  set_constants<kWidth>(packet);
   for (int first = 0; first < rays.count; first += kWidth) {
-    const int n = std::min(kWidth, rays.count - first);
     const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet);
-    if (kWidth > 1 || valid.lane[0] != 0) call.trace(valid.lane, state.top, packet);
-    for (int i = 0; i < n; ++i) {
+    if (valid.any != 0) call.trace(valid.lane, state.top, packet);
+    std::uint8_t occluded[kWidth];
+    for (int i = 0; i < kWidth; ++i) {
       // Embree marks an occluded ray by tfar = -infinity.
       const bool marked = lanes(packet.tfar)[i] == -std::numeric_limits<float>::infinity();
-      result.occluded[first + i] = valid.lane[i] != 0 && marked ? 1 : 0;
+      occluded[i] = marked & (valid.lane[i] != 0) ? 1 : 0;
+    }
+    std::copy_n(occluded, std::min(kWidth, rays.count - first), result.occluded + first);
+  }
+}
+
+RTCRay single_ray(const RayStream& rays, int i) {
+  RTCRay ray{};
+  ray.org_x = rays.ox[i], ray.org_y = rays.oy[i], ray.org_z = rays.oz[i];
+  ray.dir_x = rays.dx[i], ray.dir_y = rays.dy[i], ray.dir_z = rays.dz[i];
+  ray.tnear = rays.tnear[i], ray.tfar = rays.tfar[i];
+  ray.mask = ~0U;
+  ray.id = static_cast<unsigned>(i);
+  return ray;
+}
+
+/// Rays without common directions: as single rays, but all at once. Idle ones stay behind.
+void occlude_scattered(const RayStream& rays, const SceneState& state, OcclusionStream& result) {
+  alignas(64) RTCRay running[kStreamCapacity];
+  unsigned count = 0;
+  for (int i = 0; i < rays.count; ++i) {
+    result.occluded[i] = 0;
+    if (rays.tnear[i] <= rays.tfar[i] && is_finite_ray(rays, i)) {
+      running[count++] = single_ray(rays, i);
+    }
+  }
+  embree::OccludedCall(Coherence::Incoherent).trace(state.top, running, count);
+  for (unsigned k = 0; k < count; ++k) {
+    if (running[k].tfar == -std::numeric_limits<float>::infinity()) {
+      result.occluded[running[k].id] = 1;
     }
   }
 }
@@ -151,6 +198,9 @@ void TriangleScene::intersect(const RayStream& rays, HitStream& hits, Coherence 
 
 void TriangleScene::occluded(const RayStream& rays, OcclusionStream& result,
                              Coherence coherence) const {
+  if (coherence == Coherence::Incoherent && state_->scatters) {
+    return occlude_scattered(rays, *state_, result);
+  }
   switch (state_->packet_width) {
     case 16:
       return occlude_stream<16>(rays, *state_, coherence, result);

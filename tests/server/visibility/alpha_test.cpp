@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-
 #include "tests/server/visibility/meshes.h"
 
 namespace macula::visibility {
@@ -31,7 +30,7 @@ bool is_there(const TriangleScene& scene, float x, float y) {
 
 std::shared_ptr<const TriangleScene> make(const scene::Scene& scene,
                                           PacketWidth packets = PacketWidth::Device) {
-  auto made = TriangleScene::create(scene, {.packets = packets});
+  auto made = TriangleScene::create(scene, {.packets = packets, .flat_triangles = 0});
   EXPECT_TRUE(made);
   return *made;
 }

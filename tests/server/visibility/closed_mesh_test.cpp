@@ -54,9 +54,11 @@ TEST(ClosedMesh, NoneOfAMillionRaysEscapes) {
 }
 
 TEST(ClosedMesh, NoRayEscapesThroughAnInstanceOfIt) {
-  const auto scene = TriangleScene::create(test::scene_of(
-      test::make_bumpy_sphere(4, 0.1F), {DMat4(1.0), DMat4(DVec4(9, 0, 0, 0), DVec4(0, 9, 0, 0),
-                                                           DVec4(0, 0, 9, 0), DVec4(0, 0, 0, 1))}));
+  const auto scene = TriangleScene::create(
+      test::scene_of(test::make_bumpy_sphere(4, 0.1F),
+                     {DMat4(1.0), DMat4(DVec4(9, 0, 0, 0), DVec4(0, 9, 0, 0), DVec4(0, 0, 9, 0),
+                                        DVec4(0, 0, 0, 1))}),
+      {.flat_triangles = 0});
   ASSERT_TRUE(scene);
   Misses misses;
   count_misses(**scene, 400, misses);

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-
 #include "tests/server/visibility/meshes.h"
 
 namespace macula::visibility {
@@ -141,6 +140,26 @@ TEST(Queries, PacketsOfOneEightAndSixteenGiveTheSameAnswers) {
   }
 }
 
+TEST(Queries, ScatteredRaysAreBlockedAsSingleOnesAre) {
+  const scene::Scene source = test::scene_of(test::make_triangle_soup(1200));  // enough for streams
+  const auto device = make(source), one = make(source, {.packets = PacketWidth::One});
+  RayStream rays;
+  OcclusionStream a, b;
+  int blocked = 0;
+  for (std::uint64_t stream = 0; stream < 20; ++stream) {
+    test::fill_random_rays(rays, stream, 1.5F);
+    for (int i = 0; i < rays.count; ++i) rays.tfar[i] = i % 3 == 0 ? -1.0F : 0.3F;  // some idle
+    device->occluded(rays, a, Coherence::Incoherent);
+    one->occluded(rays, b, Coherence::Coherent);
+    for (int i = 0; i < rays.count; ++i) {
+      ASSERT_EQ(a.occluded[i], b.occluded[i]) << "stream " << stream << ", ray " << i;
+      blocked += a.occluded[i];
+    }
+  }
+  EXPECT_GT(blocked, 500);
+  EXPECT_LT(blocked, 3000);
+}
+
 TEST(Queries, ATailLeavesTheRestOfTheStreamAlone) {
   const auto scene = make(test::scene_of(test::make_bumpy_sphere(2, 0.0F)));
   RayStream rays;
@@ -173,14 +192,18 @@ TEST(Queries, InstancesEqualFlattenedCopies) {
     flat.meshes.push_back(mesh);
     flat.instances[i].mesh = i + 1;  // a mesh of its own each: flattened
   }
-  const auto shared = make(test::scene_of(mesh, placed)), copied = make(flat);
+  const auto shared = make(test::scene_of(mesh, placed), {.flat_triangles = 0});
+  const auto copied = make(flat, {.flat_triangles = 0});
+  const auto at_once = make(test::scene_of(mesh, placed));
   RayStream rays;
-  HitStream a, b;
+  HitStream a, b, c;
   int hit_count = 0, differ = 0;
   for (std::uint64_t stream = 0; stream < 40; ++stream) {
     test::fill_random_rays(rays, stream, 3.0F);
     shared->intersect(rays, a, Coherence::Incoherent);
     copied->intersect(rays, b, Coherence::Incoherent);
+    at_once->intersect(rays, c, Coherence::Incoherent);
+    EXPECT_TRUE(std::equal(b.instance, b.instance + rays.count, c.instance));
     for (int i = 0; i < rays.count; ++i) {
       if (a.instance[i] != b.instance[i] || (a.hit(i) && a.triangle[i] != b.triangle[i])) {
         ++differ;  // silhouettes and edges, within rounding of the transforms
@@ -202,7 +225,8 @@ TEST(Queries, NormalsPointToTheFrontAlsoUnderMirroring) {
   const scene::Mesh mesh = test::make_bumpy_sphere(3, 0.0F);
   for (const std::size_t copies : {1U, 2U}) {  // flattened; instanced
     const DMat4 mirrored = glm::scale(DMat4(1.0), DVec3(-1, 1, 1));
-    const auto scene = make(test::scene_of(mesh, std::vector<DMat4>(copies, mirrored)));
+    const auto scene =
+        make(test::scene_of(mesh, std::vector<DMat4>(copies, mirrored)), {.flat_triangles = 0});
     const auto hit = scene->intersect(Ray{{0, 0, 5}, {0.01F, 0.02F, -1}});
     ASSERT_TRUE(hit);
     EXPECT_GT(hit->normal.z, 0.9F);
