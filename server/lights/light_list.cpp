@@ -1,9 +1,11 @@
 #include "server/lights/light_list.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "server/lights/light_list_simd.h"
 #include "server/sampling/mappings.h"
 #include "shared/base/check.h"
 
@@ -50,6 +52,46 @@ std::vector<float> cumulative_shares(const std::vector<EmissiveTriangle>& lights
   return cumulative;
 }
 
+/// A guide entry for every kEntriesPerLight-th of a light on average: fewer than two further steps.
+std::vector<std::int32_t> guide_into(const std::vector<float>& cumulative) {
+  constexpr std::size_t kEntriesPerLight = 2;
+  const std::size_t size = std::bit_ceil(kEntriesPerLight * cumulative.size());
+  std::vector<std::int32_t> guide(size);
+  std::size_t light = 0;
+  for (std::size_t k = 0; k < size; ++k) {
+    const float u = static_cast<float>(k) / static_cast<float>(size);
+    while (light + 1 < cumulative.size() && cumulative[light] <= u) ++light;
+    guide[k] = static_cast<std::int32_t>(light);
+  }
+  return guide;
+}
+
+void append(std::vector<float>& row, const Vec3& v) {
+  row.insert(row.end(), {v.x, v.y, v.z});
+}
+
+EmitterTable make_table(const std::vector<EmissiveTriangle>& lights,
+                        const std::vector<float>& cumulative,
+                        const shading::MaterialTable& materials) {
+  EmitterTable table;
+  if (lights.empty()) return table;
+  table.rows.reserve(EmitterTable::kRowFloats * lights.size());
+  for (const EmissiveTriangle& light : lights) {
+    const bool textured = materials.textured(light.material);
+    for (const Vec3& v : {Vec3(light.position), light.edge1, light.edge2, light.normal,
+                          textured ? Rgb{1.0F} : light.mean_emission}) {
+      append(table.rows, v);
+    }
+    table.rows.push_back(light.area_m2);
+    table.textured.push_back(textured ? 1U : 0U);
+    table.any_textured = table.any_textured || textured;
+  }
+  table.bounds = {0.0F};
+  table.bounds.insert(table.bounds.end(), cumulative.begin(), cumulative.end());
+  table.guide = guide_into(cumulative);
+  return table;
+}
+
 }  // namespace
 
 std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point) {
@@ -72,6 +114,7 @@ LightList::LightList(const scene::Scene& scene, const shading::MaterialTable& ma
     : punctual_(scene.lights) {
   for (scene::Index i = 0; i < scene.instances.size(); ++i) add_instance(scene, i, materials);
   cumulative_ = cumulative_shares(emissive_, selection);
+  table_ = make_table(emissive_, cumulative_, materials);
 }
 
 void LightList::add_instance(const scene::Scene& scene, scene::Index instance,
@@ -114,6 +157,21 @@ AreaSample LightList::sample_area(const Vec2& u) const {
                          static_cast<double>(barycentric.x) * DVec3(triangle.edge1) +
                          static_cast<double>(barycentric.y) * DVec3(triangle.edge2);
   return {position, barycentric, pdf_per_m2(light), light};
+}
+
+void LightList::arriving_area(const sampling::Vec2Batch& u, const sampling::Vec3Batch& points,
+                              std::size_t count, const shading::SurfaceTable& surfaces,
+                              const shading::MaterialTable& materials,
+                              AreaArrivalBatch& out) const {
+  MACULA_DCHECK(!emissive_.empty() && count <= sampling::kBatch);
+  arriving_from_table(table_, u, points, count, out);
+  if (!table_.any_textured) return;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t light = out.light.at[i];
+    if (table_.textured[light] == 0) continue;
+    const Rgb tint = emission(light, out.barycentric[i], surfaces, materials);
+    out.arrival.irradiance.set(i, tint * out.arrival.irradiance[i]);
+  }
 }
 
 float LightList::pdf_per_m2(std::uint32_t light) const {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "server/sampling/batch.h"
 #include "server/scene/scene.h"
 #include "server/shading/material_table.h"
 #include "server/shading/surface.h"
@@ -24,6 +25,13 @@ struct Arrival {
 /// nullopt where nothing arrives: outside a spot's cone, or exactly at the light (d = 0, where the
 /// inverse square law has no value; a sample there is dropped).
 std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point);
+
+/// The same at many points; no irradiance where nothing arrives.
+struct ArrivalBatch {
+  sampling::Vec3Batch to_light, irradiance;
+};
+void arriving(const scene::Light& light, const sampling::Vec3Batch& points, std::size_t count,
+              ArrivalBatch& out);
 
 struct EmissiveTriangle {
   DVec3 position{0.0};            ///< first vertex
@@ -44,6 +52,28 @@ struct AreaSample {
   std::uint32_t light = 0;  ///< index into emissive()
 };
 
+/// Light arriving from one sampled point of all emissive triangles, were nothing in the way.
+struct AreaArrivalBatch {
+  /// Unit, and the irradiance on a surface that faces the light divided by the sample's density; 0
+  /// where the light faces away.
+  ArrivalBatch arrival;
+  sampling::Vec3Batch position,
+      normal;                       ///< on the light: world, meters; unit, the side it shines to
+  sampling::IndexBatch light;       ///< index into emissive()
+  sampling::Vec2Batch barycentric;  ///< as in shading::SurfaceTable::at
+};
+
+/// The emissive triangles as vectors gather them: 16 floats a triangle, and a guide into the
+/// cumulative shares (cut-point method, Chen and Asau 1974).
+struct EmitterTable {
+  static constexpr std::size_t kRowFloats = 16;
+  std::vector<float> rows;              ///< position, edge1, edge2, normal, emission, area
+  std::vector<float> bounds;            ///< 0, then the cumulative shares
+  std::vector<std::int32_t> guide;      ///< first triangle that u in [k, k + 1) / size may choose
+  std::vector<std::uint32_t> textured;  ///< 1 where the emission comes from a texture, row has 1
+  bool any_textured = false;
+};
+
 class LightList {
  public:
   LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
@@ -57,6 +87,11 @@ class LightList {
   /// A point on some emissive triangle for u in [0, 1)^2; stratified u give stratified points. Only
   /// for a list with emissive triangles.
   AreaSample sample_area(const Vec2& u) const;
+  /// The same for the light that arrives at the first `count` points, one sample each; textured
+  /// lights unfiltered.
+  void arriving_area(const sampling::Vec2Batch& u, const sampling::Vec3Batch& points,
+                     std::size_t count, const shading::SurfaceTable& surfaces,
+                     const shading::MaterialTable& materials, AreaArrivalBatch& out) const;
   /// Density of sample_area at any point of triangle `light`, per m^2.
   float pdf_per_m2(std::uint32_t light) const;
   /// Radiance of triangle `light` at a barycentric point, unfiltered texture.
@@ -70,6 +105,7 @@ class LightList {
   std::vector<scene::Light> punctual_;
   std::vector<EmissiveTriangle> emissive_;
   std::vector<float> cumulative_;  ///< cumulative_[i]: chance of a triangle <= i; last = 1
+  EmitterTable table_;
   std::size_t degenerate_ = 0;
 };
 

@@ -60,6 +60,7 @@ class Reflector {
   const ShadingFrame& frame() const { return frame_; }
 
  private:
+  friend struct ReflectorBatch;
   Rgb evaluate_lobe(const Vec3& to_light, float cos_l) const;
 
   Bsdf bsdf_;

@@ -1,5 +1,6 @@
 #include "server/shading/ggx_albedo.h"
 
+#include <algorithm>
 #include <array>
 
 #include "server/shading/ggx.h"
@@ -7,7 +8,7 @@
 namespace macula::shading {
 namespace {
 
-constexpr int kNodes = 32;        // per axis; linear interpolation errs below 3e-3 (tested)
+constexpr int kNodes = GgxAlbedoNodes::kNodes;
 constexpr int kSamplesSide = 24;  // stratified samples a side of one node's integral
 
 float node_value(int i) {
@@ -63,7 +64,9 @@ class Tables {
       for (int i = 0; i < kNodes; ++i) at(i, j) = integrate(node_value(i), alpha);
       mean_[static_cast<std::size_t>(j)] = mean_of_row(j);
     }
+    std::transform(table_.begin(), table_.end(), packed_.begin(), pack);
   }
+  const std::int32_t* packed() const { return packed_.data(); }
   GgxAlbedo directional(float mu, float alpha) const {
     const Cell x = locate(mu), y = locate(alpha);
     return mix(mix(at(x.node, y.node), at(x.node + 1, y.node), x.blend),
@@ -80,6 +83,12 @@ class Tables {
   const GgxAlbedo& at(int i, int j) const {
     return table_[static_cast<std::size_t>(j * kNodes + i)];
   }
+  static std::int32_t pack(const GgxAlbedo& albedo) {
+    const auto code = [](float part) {
+      return static_cast<std::uint32_t>(std::clamp(part, 0.0F, 1.0F) * 65535.0F + 0.5F);
+    };
+    return static_cast<std::int32_t>(code(albedo.a) | code(albedo.b) << 16);
+  }
   /// Exact for the piecewise linear table: the integral of (linear) x mu over each interval.
   GgxAlbedo mean_of_row(int j) const {
     GgxAlbedo sum;
@@ -94,6 +103,7 @@ class Tables {
 
   std::array<GgxAlbedo, kNodes * kNodes> table_{};
   std::array<GgxAlbedo, kNodes> mean_{};
+  std::array<std::int32_t, kNodes * kNodes> packed_{};
 };
 
 const Tables& tables() {
@@ -105,6 +115,9 @@ const Tables& tables() {
 
 GgxAlbedo ggx_albedo(float mu, float alpha) {
   return tables().directional(mu, alpha);
+}
+const std::int32_t* GgxAlbedoNodes::packed() {
+  return tables().packed();
 }
 GgxAlbedo ggx_mean_albedo(float alpha) {
   return tables().mean(alpha);
