@@ -1,8 +1,8 @@
 #include "server/kernels/ray/lighting.h"
 
+#include <algorithm>
 #include <chrono>
 
-#include "server/sampling/frame.h"
 #include "server/sampling/mappings.h"
 #include "server/sampling/sobol.h"
 #include "shared/base/check.h"
@@ -10,138 +10,208 @@
 namespace macula::kernels::ray {
 namespace {
 
+using sampling::Vec3Batch;
 using visibility::Coherence;
 
 // Dimensions of a cell's random numbers; those below 2^31 place the primary samples.
 constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
 constexpr std::uint32_t kAmbientDimension = 0x8000'0001U;
 
-/// Rays of one term with what each would bring if nothing were in its way.
-class ShadowBatch {
- public:
-  void push(std::size_t owner, const Vec3& origin, const Vec3& direction, float tfar,
-            const Rgb& contribution) {
-    const auto i = static_cast<std::size_t>(rays_.push(origin, direction, 0.0F, tfar));
-    owner_[i] = static_cast<std::uint16_t>(owner);
-    contribution_[i] = contribution;
-  }
-  void resolve(const visibility::TriangleScene& triangles, Coherence coherence,
-               std::span<Rgb> radiance, LightingWork& work) {
-    if (rays_.count == 0) return;
-    const auto begin = std::chrono::steady_clock::now();
-    triangles.occluded(rays_, result_, coherence);
-    work.trace_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
-    work.shadow_rays += static_cast<std::uint64_t>(rays_.count);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rays_.count); ++i) {
-      if (result_.occluded[i] == 0) radiance[owner_[i]] += contribution_[i];
-    }
-  }
+constexpr float kIdle = -1.0F;  ///< tfar of a ray that is not traced
 
- private:
-  visibility::RayStream rays_;
-  visibility::OcclusionStream result_;
-  std::uint16_t owner_[visibility::kStreamCapacity];
-  Rgb contribution_[visibility::kStreamCapacity];
-};
+/// Rays to this many triangles still run towards about the same place.
+constexpr std::size_t kMostOfOneLamp = 8;
 
 bool is_black(const Rgb& c) {
   return c.x == 0.0F && c.y == 0.0F && c.z == 0.0F;
 }
 
-/// Where rays leave a lit point: the side of the surface that faces the eye.
-Vec3 ray_origin(const LitPoint& point) {
-  return visibility::offset_ray_origin(Vec3(point.position), point.reflector.frame().geometric);
+/// One batch on its way through all terms. The loops over points are plain, for the compiler's
+/// vectors; what it cannot see through stands in the rooms' *_simd.cpp.
+class Pass {
+ public:
+  Pass(const SceneFrame& scene, const Config& config, const LitPoints& points, LightingWork& work)
+      : scene_(scene), config_(config), points_(points), work_(work), n_(points.count) {}
+
+  void run();
+  void add_to(std::span<Rgb> radiance) const {
+    for (std::size_t i = 0; i < n_; ++i) radiance[i] += sum_[i];
+  }
+
+ private:
+  void add_punctual(const scene::Light& light);
+  void add_area();
+  void add_ambient();
+  void scramble(std::uint32_t dimension);
+  void draw(int k, int count);
+  void aim_along(float tfar);
+  void aim_at(const Vec3& target);
+  void aim_at_lights();
+  void resolve(Coherence coherence);
+
+  const SceneFrame& scene_;
+  const Config& config_;
+  const LitPoints& points_;
+  LightingWork& work_;
+  const std::size_t n_;
+
+  Vec3Batch sum_{};           ///< radiance of all terms so far
+  Vec3Batch contribution_{};  ///< what each ray of a term brings if nothing is in its way
+  sampling::ScramblingBatch sequences_{};
+  sampling::Vec2Batch u_{};
+  lights::AreaArrivalBatch light_{};
+  visibility::RayStream rays_;
+  visibility::OcclusionStream hidden_;
+};
+
+void Pass::run() {
+  for (const scene::Light& light : scene_.lights().punctual()) add_punctual(light);
+  if (!scene_.lights().emissive().empty()) add_area();
+  if (config_.ambient_samples > 0 && !is_black(scene_.scene().settings.ambient)) add_ambient();
 }
 
-/// Sample k of `count` at this primary sample: a consecutive stretch of the cell's one sequence, so
-/// that all of a cell's samples together are stratified too.
-Vec2 stratified(const LitPoint& point, std::uint32_t dimension, int k, int count) {
+void Pass::add_punctual(const scene::Light& light) {
+  lights::arriving(light, points_.position, n_, light_.arrival);
+  shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
+                   contribution_);
+  if (light.kind == scene::LightKind::Directional) {
+    aim_along(std::numeric_limits<float>::infinity());
+  } else {
+    aim_at(Vec3(light.position));
+  }
+  resolve(Coherence::Coherent);
+}
+
+void Pass::add_area() {
+  scramble(kAreaDimension);
+  const float share = 1.0F / static_cast<float>(config_.area_light_samples);
+  const bool one_lamp = scene_.lights().emissive().size() <= kMostOfOneLamp;
+  const Coherence coherence = one_lamp ? Coherence::Coherent : Coherence::Incoherent;
+  for (int k = 0; k < config_.area_light_samples; ++k) {
+    draw(k, config_.area_light_samples);
+    scene_.lights().arriving_area(u_, points_.position, n_, scene_.surfaces(), scene_.materials(),
+                                  light_);
+    shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
+                     contribution_);
+    for (std::size_t i = 0; i < n_; ++i) {
+      contribution_.x[i] *= share, contribution_.y[i] *= share, contribution_.z[i] *= share;
+    }
+    aim_at_lights();
+    resolve(coherence);
+  }
+}
+
+void Pass::add_ambient() {
+  scramble(kAmbientDimension);
+  const scene::Settings& settings = scene_.scene().settings;
+  const Rgb share = settings.ambient / static_cast<float>(config_.ambient_samples);
+  const Vec3Batch& reflectance = points_.reflectors.reflectance;
+  for (std::size_t i = 0; i < n_; ++i) {
+    contribution_.x[i] = share.x * reflectance.x[i];
+    contribution_.y[i] = share.y * reflectance.y[i];
+    contribution_.z[i] = share.z * reflectance.z[i];
+  }
+  for (int k = 0; k < config_.ambient_samples; ++k) {
+    draw(k, config_.ambient_samples);
+    // What a bent shading normal sends below the surface is folded back up: an open point sees
+    // exactly the whole environment.
+    sampling::cosine_directions(u_, points_.reflectors.shading, points_.reflectors.geometric, n_,
+                                light_.arrival.to_light);
+    aim_along(static_cast<float>(settings.ambient_distance_m));
+    resolve(Coherence::Incoherent);
+  }
+}
+
+void Pass::scramble(std::uint32_t dimension) {
+  for (std::size_t i = 0; i < n_; ++i) {
+    const std::uint32_t seed = sampling::scramble_seed(points_.keys[i], dimension);
+    sequences_.set(i, sampling::Scrambling(seed));
+  }
+}
+
+/// Sample k of `count` at this primary sample: a consecutive stretch of each cell's one sequence,
+/// so that all of a cell's samples together are stratified too.
+void Pass::draw(int k, int count) {
   const std::uint32_t index =
-      point.sample * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(k);
-  return sampling::sobol_owen_2d(index, sampling::scramble_seed(point.key, dimension));
+      points_.sample * static_cast<std::uint32_t>(count) + static_cast<std::uint32_t>(k);
+  sampling::sobol_owen_2d(index, sequences_, n_, u_);
+}
+
+void Pass::aim_along(float tfar) {
+  for (std::size_t i = 0; i < n_; ++i) {
+    rays_.dx[i] = light_.arrival.to_light.x[i];
+    rays_.dy[i] = light_.arrival.to_light.y[i];
+    rays_.dz[i] = light_.arrival.to_light.z[i];
+    rays_.tfar[i] = tfar;
+  }
+}
+
+void Pass::aim_at(const Vec3& target) {
+  for (std::size_t i = 0; i < n_; ++i) {
+    rays_.dx[i] = target.x - points_.ray_origin.x[i];
+    rays_.dy[i] = target.y - points_.ray_origin.y[i];
+    rays_.dz[i] = target.z - points_.ray_origin.z[i];
+    rays_.tfar[i] = 1.0F;
+  }
+}
+
+/// The end, too, is moved off its surface, so that the light cannot shadow itself.
+void Pass::aim_at_lights() {
+  for (std::size_t i = 0; i < n_; ++i) {
+    const Vec3 end = visibility::offset_ray_origin(light_.position[i], light_.normal[i]);
+    rays_.dx[i] = end.x - points_.ray_origin.x[i];
+    rays_.dy[i] = end.y - points_.ray_origin.y[i];
+    rays_.dz[i] = end.z - points_.ray_origin.z[i];
+    rays_.tfar[i] = 1.0F;
+  }
+}
+
+/// Traces the aimed rays that have something to bring, and sums what arrives.
+void Pass::resolve(Coherence coherence) {
+  std::uint32_t traced = 0;
+  const Vec3Batch& c = contribution_;
+  for (std::size_t i = 0; i < n_; ++i) {
+    const bool brings = !(c.x[i] == 0.0F) | !(c.y[i] == 0.0F) | !(c.z[i] == 0.0F);
+    rays_.tfar[i] = brings ? rays_.tfar[i] : kIdle;
+    traced += brings ? 1U : 0U;
+    rays_.ox[i] = points_.ray_origin.x[i];
+    rays_.oy[i] = points_.ray_origin.y[i];
+    rays_.oz[i] = points_.ray_origin.z[i];
+    rays_.tnear[i] = 0.0F;
+  }
+  if (traced == 0) return;
+  rays_.count = static_cast<int>(n_);
+  const auto begin = std::chrono::steady_clock::now();
+  scene_.triangles().occluded(rays_, hidden_, coherence);
+  work_.trace_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
+  work_.shadow_rays += traced;
+  for (std::size_t i = 0; i < n_; ++i) {
+    const bool arrives = hidden_.occluded[i] == 0;
+    sum_.x[i] += arrives ? c.x[i] : 0.0F;
+    sum_.y[i] += arrives ? c.y[i] : 0.0F;
+    sum_.z[i] += arrives ? c.z[i] : 0.0F;
+  }
 }
 
 }  // namespace
 
-void Lighting::add(std::span<const LitPoint> points, std::span<Rgb> radiance,
-                   LightingWork& work) const {
-  MACULA_DCHECK(points.size() == radiance.size());
-  MACULA_DCHECK(points.size() <= visibility::kStreamCapacity);
-  for (const scene::Light& light : scene_.lights().punctual()) {
-    add_punctual(light, points, radiance, work);
-  }
-  if (!scene_.lights().emissive().empty()) {
-    for (int k = 0; k < config_.area_light_samples; ++k) add_area(k, points, radiance, work);
-  }
-  if (!is_black(scene_.scene().settings.ambient)) {
-    for (int k = 0; k < config_.ambient_samples; ++k) add_ambient(k, points, radiance, work);
-  }
+void LitPoints::push(const DVec3& point, const shading::Reflector& reflector,
+                     sampling::SampleKey key) {
+  MACULA_DCHECK(count < sampling::kBatch);
+  const Vec3 rounded(point);
+  position.set(count, rounded);
+  ray_origin.set(count, visibility::offset_ray_origin(rounded, reflector.frame().geometric));
+  reflectors.set(count, reflector);
+  keys[count] = key;
+  ++count;
 }
 
-void Lighting::add_punctual(const scene::Light& light, std::span<const LitPoint> points,
-                            std::span<Rgb> radiance, LightingWork& work) const {
-  ShadowBatch batch;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto arrival = lights::arriving(light, points[i].position);
-    if (!arrival) continue;
-    const Rgb reflected = points[i].reflector.evaluate(arrival->to_light) * arrival->irradiance;
-    if (is_black(reflected)) continue;
-    const Vec3 origin = ray_origin(points[i]);
-    if (light.kind == scene::LightKind::Directional) {
-      batch.push(i, origin, arrival->to_light, arrival->distance_m, reflected);
-    } else {
-      batch.push(i, origin, Vec3(light.position - DVec3(origin)), 1.0F, reflected);
-    }
-  }
-  batch.resolve(scene_.triangles(), Coherence::Coherent, radiance, work);
-}
-
-void Lighting::add_area(int k, std::span<const LitPoint> points, std::span<Rgb> radiance,
-                        LightingWork& work) const {
-  const lights::LightList& list = scene_.lights();
-  const float share = 1.0F / static_cast<float>(config_.area_light_samples);
-  ShadowBatch batch;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const LitPoint& point = points[i];
-    const lights::AreaSample sample =
-        list.sample_area(stratified(point, kAreaDimension, k, config_.area_light_samples));
-    const lights::EmissiveTriangle& light = list.emissive()[sample.light];
-    const Vec3 towards(sample.position - point.position);
-    const float distance2 = glm::dot(towards, towards);
-    const float facing = -glm::dot(light.normal, towards);  // cosine at the light times distance
-    if (!(facing > 0.0F)) continue;
-    const float distance = std::sqrt(distance2);
-    const Rgb reflected = point.reflector.evaluate(towards / distance);
-    if (is_black(reflected)) continue;
-    const float geometry = facing / (distance * distance2 * sample.pdf_per_m2);
-    const Rgb emission =
-        list.emission(sample.light, sample.barycentric, scene_.surfaces(), scene_.materials());
-    // The end, too, is moved off its surface, so that the light cannot shadow itself.
-    const Vec3 origin = ray_origin(point);
-    const Vec3 end = visibility::offset_ray_origin(Vec3(sample.position), light.normal);
-    batch.push(i, origin, end - origin, 1.0F, share * geometry * reflected * emission);
-  }
-  batch.resolve(scene_.triangles(), Coherence::Coherent, radiance, work);
-}
-
-void Lighting::add_ambient(int k, std::span<const LitPoint> points, std::span<Rgb> radiance,
-                           LightingWork& work) const {
-  const scene::Settings& settings = scene_.scene().settings;
-  const Rgb share = settings.ambient / static_cast<float>(config_.ambient_samples);
-  ShadowBatch batch;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const shading::ShadingFrame& frame = points[i].reflector.frame();
-    const Vec3 local = sampling::cosine_hemisphere(
-        stratified(points[i], kAmbientDimension, k, config_.ambient_samples));
-    Vec3 direction = sampling::frame_from_normal(frame.shading) * local;
-    // What a bent shading normal sends below the surface is folded back up: an open point sees
-    // exactly the whole environment.
-    const float height = glm::dot(direction, frame.geometric);
-    if (height < 0.0F) direction -= 2.0F * height * frame.geometric;
-    batch.push(i, ray_origin(points[i]), direction, static_cast<float>(settings.ambient_distance_m),
-               share * points[i].reflector.reflectance());
-  }
-  batch.resolve(scene_.triangles(), Coherence::Incoherent, radiance, work);
+void Lighting::add(const LitPoints& points, std::span<Rgb> radiance, LightingWork& work) const {
+  MACULA_DCHECK(points.count == radiance.size());
+  if (points.count == 0) return;
+  Pass pass(scene_, config_, points, work);
+  pass.run();
+  pass.add_to(radiance);
 }
 
 }  // namespace macula::kernels::ray

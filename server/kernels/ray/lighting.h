@@ -1,6 +1,7 @@
 // Lighting of a batch of points: punctual lights, emissive triangles, ambient occlusion. Every term
-// is one stream of shadow rays over the whole batch. A point's radiance is summed in a fixed order
-// and depends on that point alone, never on its neighbours in the batch.
+// is one stream of shadow rays over the whole batch, made and shaded in vectors: ray i is point
+// i's, idle where no light can arrive. A point's radiance is summed in a fixed order and depends on
+// that point alone, never on its place or its neighbours in the batch.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +9,26 @@
 
 #include "server/kernels/ray/config.h"
 #include "server/kernels/scene_frame.h"
+#include "server/sampling/batch.h"
 #include "server/sampling/sample.h"
+#include "server/shading/reflector_batch.h"
 
 namespace macula::kernels::ray {
 
-/// A point to be lit, seen from where its reflector's frame says.
-struct LitPoint {
-  DVec3 position{0.0};  ///< world, meters
-  shading::Reflector reflector;
-  sampling::SampleKey key;   ///< identity of its cell's random numbers
-  std::uint32_t sample = 0;  ///< which primary sample of the cell it is
+/// Points to be lit, seen from where their reflectors' frames say. Zero at first: vectors reach
+/// past the last point.
+struct LitPoints {
+  std::size_t count = 0;
+  std::uint32_t sample = 0;        ///< which primary sample of their cells they are
+  sampling::Vec3Batch position;    ///< world, meters
+  sampling::Vec3Batch ray_origin;  ///< the same off the surface, towards the eye's side
+  shading::ReflectorBatch reflectors;
+  sampling::SampleKey keys[sampling::kBatch];  ///< identity of their cells' random numbers
+
+  void clear() { count = 0; }
+  void push(const DVec3& point, const shading::Reflector& reflector, sampling::SampleKey key);
 };
+static_assert(sampling::kBatch == visibility::kStreamCapacity);
 
 struct LightingWork {
   std::uint64_t shadow_rays = 0;
@@ -30,18 +40,11 @@ class Lighting {
   /// Refers to both; they must outlive it.
   Lighting(const SceneFrame& scene, const Config& config) : scene_(scene), config_(config) {}
 
-  /// Adds the light every point reflects to its eye to radiance[i]. At most
-  /// visibility::kStreamCapacity points; radiance.size() == points.size().
-  void add(std::span<const LitPoint> points, std::span<Rgb> radiance, LightingWork& work) const;
+  /// Adds the light that every point reflects to its eye to radiance[i]; radiance.size() ==
+  /// points.count.
+  void add(const LitPoints& points, std::span<Rgb> radiance, LightingWork& work) const;
 
  private:
-  void add_punctual(const scene::Light& light, std::span<const LitPoint> points,
-                    std::span<Rgb> radiance, LightingWork& work) const;
-  void add_area(int k, std::span<const LitPoint> points, std::span<Rgb> radiance,
-                LightingWork& work) const;
-  void add_ambient(int k, std::span<const LitPoint> points, std::span<Rgb> radiance,
-                   LightingWork& work) const;
-
   const SceneFrame& scene_;
   const Config& config_;
 };

@@ -1,7 +1,6 @@
 #include "server/kernels/ray/shading_point.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace macula::kernels::ray {
@@ -30,7 +29,7 @@ ShadedPoint shade_point(const ShadingRequest& request, const SceneFrame& scene,
 
 void shade_batch(std::span<const SurfacePoint> points, const SceneFrame& scene,
                  const Config& config, const Lighting& lighting, std::span<Rgb> out) {
-  std::array<LitPoint, visibility::kStreamCapacity> lit;
+  LitPoints lit{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& point = points[i];
     ShadingRequest request;
@@ -42,11 +41,12 @@ void shade_batch(std::span<const SurfacePoint> points, const SceneFrame& scene,
     }
     const ShadedPoint shaded = shade_point(request, scene, config);
     out[i] = shaded.emission;
-    lit[i] = {point.position, shaded.reflector, sampling::SampleKey{}, 0};
-    lit[i].key.value = point.key;
+    sampling::SampleKey key;
+    key.value = point.key;
+    lit.push(point.position, shaded.reflector, key);
   }
   LightingWork work;
-  lighting.add({lit.data(), points.size()}, out, work);
+  lighting.add(lit, out, work);
   for (Rgb& radiance : out) {
     if (!math::is_finite(radiance)) radiance = Rgb{0.0F};
   }

@@ -80,11 +80,12 @@ class TileRun {
 
   void gather_points(int s) {
     const auto begin = std::chrono::steady_clock::now();
-    lit_count_ = 0;
+    points_.clear();
+    points_.sample = static_cast<std::uint32_t>(s);
     const bool guide = s == context_.pattern.guide();
     for (std::size_t i = 0; i < count_; ++i) {
       if (hits_.hit(static_cast<int>(i))) {
-        add_lit_point(i, s, guide);
+        add_lit_point(i, guide);
       } else {
         radiance_[i] = context_.scene.scene().settings.ambient;
         if (guide) write_guide_miss(cells_[i]);
@@ -93,7 +94,7 @@ class TileRun {
     report_.shade_ms += ms_since(begin);
   }
 
-  void add_lit_point(std::size_t i, int s, bool guide) {
+  void add_lit_point(std::size_t i, bool guide) {
     const auto ray = static_cast<int>(i);
     const shading::Surface surface = context_.scene.surfaces().at(
         hits_.instance[i], hits_.triangle[i], {hits_.u[i], hits_.v[i]});
@@ -102,10 +103,8 @@ class TileRun {
     ShadedPoint shaded = shade_point(request, context_.scene, context_.config);
     radiance_[i] = shaded.emission;
     if (guide) write_guide_hit(i, request, shaded.reflector.frame());
-    const std::size_t slot = lit_count_++;
-    owner_[slot] = static_cast<std::uint16_t>(i);
-    points_[slot] = {surface.position, shaded.reflector, cells_[i].key,
-                     static_cast<std::uint32_t>(s)};
+    owner_[points_.count] = static_cast<std::uint16_t>(i);
+    points_.push(surface.position, shaded.reflector, cells_[i].key);
   }
 
   float uv_per_meter(std::size_t i) const {
@@ -124,9 +123,10 @@ class TileRun {
 
   void light() {
     const auto begin = std::chrono::steady_clock::now();
-    for (std::size_t k = 0; k < lit_count_; ++k) lit_radiance_[k] = radiance_[owner_[k]];
-    context_.lighting.add({points_.data(), lit_count_}, {lit_radiance_.data(), lit_count_}, work_);
-    for (std::size_t k = 0; k < lit_count_; ++k) radiance_[owner_[k]] = lit_radiance_[k];
+    const std::size_t n = points_.count;
+    for (std::size_t k = 0; k < n; ++k) lit_radiance_[k] = radiance_[owner_[k]];
+    context_.lighting.add(points_, {lit_radiance_.data(), n}, work_);
+    for (std::size_t k = 0; k < n; ++k) radiance_[owner_[k]] = lit_radiance_[k];
     report_.shade_ms += ms_since(begin);
   }
 
@@ -197,11 +197,11 @@ class TileRun {
   ViewBuffers& out_;
   FrameReport report_;
   LightingWork work_;
-  std::size_t count_ = 0, lit_count_ = 0;
+  std::size_t count_ = 0;
   std::array<Cell, kCells> cells_;
   visibility::RayStream rays_;
   visibility::HitStream hits_;
-  std::array<LitPoint, kCells> points_;
+  LitPoints points_{};
   std::array<std::uint16_t, kCells> owner_;
   std::array<Rgb, kCells> radiance_, lit_radiance_;
 };
