@@ -37,15 +37,20 @@ T* lanes(T (&array)[kWidth]) {
   return array;
 }
 
-/// Copies `n` values of a stream into the first lanes of a packet; whole packets at constant
-/// length, as vectors. The lanes of a tail keep what they had: Embree looks at idle lanes, too.
+/// Copies the first `n` values of a packet's width; whole packets at constant length, as vectors.
+template <int kWidth, class T>
+void copy_lanes(const T* in, int n, T* out) {
+  if (n == kWidth) {
+    std::copy_n(in, kWidth, out);
+  } else {
+    std::copy_n(in, n, out);
+  }
+}
+
+/// The lanes of a tail keep what they had: Embree looks at idle lanes, too.
 template <int kWidth, class Lanes>
 void load(Lanes& out, const float* in, int n) {
-  if (n == kWidth) {
-    std::copy_n(in, kWidth, lanes(out));
-  } else {
-    std::copy_n(in, n, lanes(out));
-  }
+  copy_lanes<kWidth>(in, n, lanes(out));
 }
 
 /// x - x is 0 exactly for finite x, NaN otherwise.
@@ -151,7 +156,7 @@ void occlude_stream(const RayStream& rays, const SceneState& state, Coherence co
       const bool marked = lanes(packet.tfar)[i] == -std::numeric_limits<float>::infinity();
       occluded[i] = marked & (valid.lane[i] != 0) ? 1 : 0;
     }
-    std::copy_n(occluded, std::min(kWidth, rays.count - first), result.occluded + first);
+    copy_lanes<kWidth>(occluded, std::min(kWidth, rays.count - first), result.occluded + first);
   }
 }
 
