@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "server/sampling/frame.h"
 #include "tests/server/visibility/meshes.h"
 
