@@ -55,4 +55,4 @@ if [ "$display" = window ]; then
   "$bin/macula-client" --connect "$endpoint" --keys "$keys" --display window || true
 fi
 "$bin/macula-client" --connect "$endpoint" --keys "$keys" --display headless --loop --frames "$frames" --out "$out"
-echo "demo: look at $out/contact_sheet.png, left.png, right.png, foveation_map.png and report.json beside it"
+echo "demo: look at $out/contact_sheet.png, eye_left.png, eye_right.png, rate_map.png and report.json beside it"
