@@ -69,6 +69,7 @@ session::ServerConfig server_config(const Options& options, const scene::Scene& 
   config.views.tone = scene.settings.tone;
   config.views.rate_model = *foveation::find_rate_model(options.rate_model);
   config.views.fovea_oversampling = options.oversampling;
+  config.views.guard_band = Degrees{options.guard_deg};
   config.jpeg_quality = options.quality;
   if (options.target_ms) config.target_frame_time = units::from_ms(*options.target_ms);
   Options told = options;

@@ -39,6 +39,9 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--oversampling", options.oversampling,
                  "Cells per display pixel at the gaze: 1, 1.5, 2, 3, 4")
       ->capture_default_str();
+  app.add_option("--guard-deg", options.guard_deg,
+                 "Rendered beyond the display on every side, for turns of the head, 0 to 15")
+      ->capture_default_str();
   app.add_option("--codec", options.codec, "Colour: jpeg or lossless")->capture_default_str();
   app.add_option("--quality", options.quality, "JPEG quality, 1 to 100")->capture_default_str();
   app.add_option("--area-samples", options.area_samples,
@@ -100,6 +103,8 @@ Result<void> check_options(const Options& o) {
   if (auto ok = in_range("--area-samples", o.area_samples, 1, 1024); !ok) return ok;
   if (auto ok = in_range("--ambient-samples", o.ambient_samples, 0, 1024); !ok) return ok;
   if (auto ok = in_range("--threads", o.threads, 0, 1024); !ok) return ok;
+  if (!(o.guard_deg >= 0.0 && o.guard_deg <= 15.0))
+    return base::bad_input(base::concat("is ", o.guard_deg), "--guard-deg", "0 to 15");
   if (o.codec != "jpeg" && o.codec != "lossless")
     return base::bad_input(base::concat("unknown codec '", o.codec, "'"), "--codec",
                            "jpeg, lossless");
@@ -119,9 +124,10 @@ std::string describe(const Options& o) {
        << "\nbind = " << quoted(o.bind) << "\nkeys = " << quoted(o.keys) << '\n';
   if (o.target_ms) text << "target_ms = " << *o.target_ms << '\n';
   text << "rate_model = " << quoted(o.rate_model) << "\noversampling = " << o.oversampling
-       << "\nquality = " << o.quality << "\ncodec = " << quoted(o.codec)
-       << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
-       << "\nthreads = " << o.threads << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
+       << "\nguard_deg = " << o.guard_deg << "\nquality = " << o.quality
+       << "\ncodec = " << quoted(o.codec) << "\narea_samples = " << o.area_samples
+       << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
+       << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
   return std::move(text).str();
 }
 

@@ -19,6 +19,7 @@ struct Options {
   std::string config;               ///< settings file, TOML
   std::string rate_model = "cortical";
   double oversampling = 1.0;   ///< cells per display pixel at the gaze
+  double guard_deg = 4.0;      ///< rendered beyond the display on every side, 0..15
   int quality = 85;            ///< JPEG, 1..100
   std::string codec = "jpeg";  ///< jpeg or lossless
   int area_samples = 8;        ///< per primary sample, over all emissive triangles

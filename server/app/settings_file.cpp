@@ -65,6 +65,7 @@ constexpr std::array kKeys{
     Key{"target_ms", apply<&Options::target_ms>},
     Key{"rate_model", apply<&Options::rate_model>},
     Key{"oversampling", apply<&Options::oversampling>},
+    Key{"guard_deg", apply<&Options::guard_deg>},
     Key{"quality", apply<&Options::quality>},
     Key{"codec", apply<&Options::codec>},
     Key{"area_samples", apply<&Options::area_samples>},

@@ -1,7 +1,7 @@
-// The one place that turns a frame-time budget into quality: a linear scale of the nominal display,
-// so that cells, and with them the cost of a frame, go with its square. Proportional control on
-// smoothed render times with a dead band; without a target it always answers 1. One per session,
-// pure.
+// The one place that turns a frame-time budget into quality: a linear scale of the periphery's
+// resolution and of the disc that keeps full resolution around the gaze, so that cells, and with
+// them the cost of a frame, go with its square. Proportional control on smoothed render times with
+// a dead band; without a target it always answers 1. One per session, pure.
 #pragma once
 
 #include <optional>
@@ -17,8 +17,8 @@ class Governor {
   /// nullopt: off.
   explicit Governor(std::optional<Nanoseconds> target = std::nullopt) : target_(target) {}
 
-  /// Scale of the display's width and height for the next frame, in [kLeastScale, 1], in steps of
-  /// 1/20.
+  /// Scale of the nominal display's width and height for the next frame, in [kLeastScale, 1], in
+  /// steps of 1/20.
   double scale() const;
   /// A frame begun at scale() took `render`.
   void on_frame(Nanoseconds render);

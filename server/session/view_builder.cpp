@@ -19,13 +19,15 @@ Result<foveation::RateModel> wanted_model(const net::Settings& wish, const ViewP
   return foveation::find_rate_model(wish.rate_model);
 }
 
-foveation::FovealGridOptions grid_options(const net::Settings& wish, const ViewPolicy& policy) {
-  foveation::FovealGridOptions options;
-  options.fovea_oversampling =
+/// On a display shrunk by `shrunk`, cells of the announced display's own size are oversampled ones:
+/// the gaze keeps its resolution in a smaller disc, the periphery pays.
+foveation::FovealGridOptions grid_options(const net::Settings& wish, const ViewPolicy& policy,
+                                          double shrunk) {
+  const double oversampling =
       wish.fovea_oversampling != 0.0 ? wish.fovea_oversampling : policy.fovea_oversampling;
-  options.full_rate_radius = policy.full_rate_radius;
-  options.guard_band = policy.guard_band;
-  return options;
+  return {.fovea_oversampling = oversampling / shrunk,
+          .full_rate_radius = shrunk * policy.full_rate_radius,
+          .guard_band = policy.guard_band};
 }
 
 Result<std::size_t> checked_cells(const PixelGrid& grid, const ViewPolicy& policy) {
@@ -44,7 +46,6 @@ Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetu
                                     const ViewPolicy& policy, double scale, GazeFilters& filters) {
   const auto model = wanted_model(setup.settings, policy);
   if (!model) return base::forward(model);
-  const foveation::FovealGridOptions options = grid_options(setup.settings, policy);
   const Pose world_from_head = policy.scene_from_stage * view.stage_from_head;
 
   std::vector<kernels::View> views;
@@ -54,7 +55,9 @@ Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetu
     const net::EyeState& state = view.eyes[eye];
     const foveation::Display display = scaled_display(setup.eyes[eye], state.fov, scale);
     const Gaze gaze = filters[eye].update(state.gaze);
-    PixelGrid grid = foveation::make_foveal_grid(display, gaze, *model, options);
+    const double shrunk = static_cast<double>(display.width_px) / setup.eyes[eye].width_px;
+    PixelGrid grid = foveation::make_foveal_grid(display, gaze, *model,
+                                                 grid_options(setup.settings, policy, shrunk));
     const auto count = checked_cells(grid, policy);
     if (!count) return base::forward(count);
     cells += *count;

@@ -23,8 +23,9 @@ struct PreparedViews {
   std::size_t cells = 0;
 };
 
-/// `scale` (0, 1] shrinks the nominal display that rates refer to; the field of view stays.
-/// Errors: more cells than the policy allows, a rate model nobody knows.
+/// `scale` (0, 1] shrinks the nominal display that rates refer to, and the disc around the gaze
+/// that keeps the real display's resolution; the field of view stays. Errors: more cells than the
+/// policy allows, a rate model nobody knows.
 Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetup& setup,
                                     const ViewPolicy& policy, double scale, GazeFilters& filters);
 

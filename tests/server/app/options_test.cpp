@@ -48,11 +48,11 @@ TEST(Options, DefaultsServeThisMachineOnly) {
 
 TEST(Options, EveryOptionLandsInItsField) {
   const Options o = parsed(
-      {"--scene",        "posts",    "--kernel",          "brute",    "--bind",       "tcp://*:1",
-       "--keys",         "k",        "--target-ms",       "12.5",     "--rate-model", "sphere",
-       "--oversampling", "1.5",      "--codec",           "lossless", "--quality",    "70",
-       "--area-samples", "3",        "--ambient-samples", "0",        "--threads",    "2",
-       "--explain",      "--verbose"});
+      {"--scene",        "posts", "--kernel",          "brute",    "--bind",       "tcp://*:1",
+       "--keys",         "k",     "--target-ms",       "12.5",     "--rate-model", "sphere",
+       "--oversampling", "1.5",   "--codec",           "lossless", "--quality",    "70",
+       "--area-samples", "3",     "--ambient-samples", "0",        "--threads",    "2",
+       "--guard-deg",    "7.5",   "--explain",         "--verbose"});
   EXPECT_EQ(o.scene, "posts");
   EXPECT_EQ(o.kernel, "brute");
   EXPECT_EQ(o.bind, "tcp://*:1");
@@ -60,6 +60,7 @@ TEST(Options, EveryOptionLandsInItsField) {
   EXPECT_EQ(o.target_ms, 12.5);
   EXPECT_EQ(o.rate_model, "sphere");
   EXPECT_EQ(o.oversampling, 1.5);
+  EXPECT_EQ(o.guard_deg, 7.5);
   EXPECT_EQ(o.codec, "lossless");
   EXPECT_EQ(o.quality, 70);
   EXPECT_EQ(o.area_samples, 3);
@@ -82,6 +83,7 @@ TEST(Options, ValuesOutOfRangeAreNamedWithWhatIsAllowed) {
   EXPECT_NE(error_of({"--target-ms", "-3"}).find("--target-ms"), std::string::npos);
   EXPECT_NE(error_of({"--target-ms", "nan"}).find("--target-ms"), std::string::npos);
   EXPECT_NE(error_of({"--oversampling", "1.2"}).find("1.5"), std::string::npos);
+  EXPECT_NE(error_of({"--guard-deg", "40"}).find("0 to 15"), std::string::npos);
   EXPECT_NE(error_of({"--codec", "gif"}).find("jpeg, lossless"), std::string::npos);
   EXPECT_NE(error_of({"--rate-model", "flat"}).find("cortical"), std::string::npos);
   EXPECT_NE(error_of({"--threads", "many"}).find("--threads"), std::string::npos);

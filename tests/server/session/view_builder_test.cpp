@@ -70,10 +70,25 @@ TEST_F(ViewBuilderTest, AUniformModelGivesTheDisplaysOwnPixels) {
   EXPECT_EQ(prepared.cells, 2U * 256U * 256U);
 }
 
-// Cells of a uniform grid go with the square of the scale.
+// Without a disc of full rate, only the cell at the gaze itself keeps its size: two columns and two
+// rows for one, and one cell more where the other cells no longer fill the view evenly.
 TEST_F(ViewBuilderTest, HalfTheScaleIsAQuarterOfTheCells) {
   setup_.settings.rate_model = "uniform";
-  EXPECT_EQ(4 * prepare(0.5).cells, prepare(1.0).cells);
+  policy_.full_rate_radius = Degrees{0.0};
+  const double ratio =
+      static_cast<double>(prepare(1.0).cells) / static_cast<double>(prepare(0.5).cells);
+  EXPECT_NEAR(ratio, 4.0, 0.15);
+}
+
+TEST_F(ViewBuilderTest, TheGazeKeepsTheDisplaysResolutionWhateverTheScale) {
+  const auto pixel_at_gaze = [](const PreparedViews& prepared) {
+    const kernels::View& view = prepared.views[0];
+    const Vec2 at = view.grid.project(view.gaze.direction).value();
+    return view.grid.footprint(static_cast<int>(at.x), static_cast<int>(at.y)).x;
+  };
+  const PreparedViews full = prepare(1.0), cheap = prepare(0.4);
+  EXPECT_NEAR(pixel_at_gaze(cheap) / pixel_at_gaze(full), 1.0, 0.01);
+  EXPECT_LT(cheap.cells, full.cells / 4);
 }
 
 TEST_F(ViewBuilderTest, AGuardBandWidensTheGridBeyondTheField) {
