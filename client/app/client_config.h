@@ -26,6 +26,7 @@ enum class Pacing { RealTime, AsFastAsPossible };
 /// endpoint's.)
 struct StageDelays {
   Nanoseconds decode{0}, reproject{0}, present{0};
+  Nanoseconds idle{0};  ///< between refreshes, in no stage
 };
 
 struct ClientConfig {

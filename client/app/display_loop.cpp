@@ -45,6 +45,7 @@ display::RunEnd DisplayLoop::run() {
       continue;
     }
     submit(refresh, predicted->head.gaze, reproject(frame, predicted->stage_from_head));
+    sleep_for(config_.delays.idle);
   }
 }
 

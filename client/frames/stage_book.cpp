@@ -24,7 +24,7 @@ void StageBook::note_begin(const net::FrameBegin& begin) {
   if (begin.previous_frame == 0) return;
   const FrameId id{begin.epoch, begin.previous_frame};
   std::lock_guard lock(mutex_);
-  sent_.push_back({id, begin.previous_send_begin, begin.previous_send_end});
+  sent_.push_back({id, begin.previous_send_end});
   if (sent_.size() > kMostSent) sent_.pop_front();
   join(id);
 }
@@ -42,7 +42,6 @@ void StageBook::join(FrameId id) {
       std::find_if(sent_.begin(), sent_.end(), [id](const Sent& s) { return s.id == id; });
   if (shown == shown_.end() || sent == sent_.end()) return;
   ServerStamps server = shown->second.server;
-  server.send_begin = sent->begin;
   server.send_end = sent->end;
   accounts_.push_back({id, account(server, shown->second.client, shown->second.clock)});
   shown_.erase(shown);

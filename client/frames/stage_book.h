@@ -40,7 +40,7 @@ class StageBook {
   };
   struct Sent {
     FrameId id;
-    ServerTime begin, end;
+    ServerTime end;
   };
   void join(FrameId id);
 

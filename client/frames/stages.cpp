@@ -20,7 +20,7 @@ std::array<Span, kStageCount + 1> path(const ServerStamps& s, const ClientStamps
       {Stage::ViewWait, here(s.view_received), here(s.render_begin)},
       {Stage::Render, here(s.render_begin), here(s.render_end)},
       {Stage::Encode, here(s.encode_begin), here(s.encode_end)},
-      {Stage::SendQueue, here(s.send_begin), here(s.send_end)},
+      {Stage::SendQueue, here(s.encode_end), here(s.send_end)},
       {Stage::Downlink, here(s.send_end), c.last_byte},
       {Stage::Decode, c.last_byte, c.decoded},
       {Stage::PresentWait, c.decoded, c.reproject_begin},

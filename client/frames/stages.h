@@ -23,7 +23,7 @@ enum class Stage {
   ViewWait,     ///< -> rendering begins
   Render,       ///< on the server
   Encode,       ///< on the server
-  SendQueue,    ///< handed to the socket
+  SendQueue,    ///< encoded -> last byte handed to the socket, waiting for credit included
   Downlink,     ///< left the queue -> last byte here
   Decode,       ///< last byte -> pictures, waiting for the decoder included
   Reproject,    ///< the warp
@@ -35,8 +35,7 @@ inline constexpr std::size_t kStageCount = 9;
 const char* name(Stage stage);
 
 struct ServerStamps {
-  ServerTime view_received, render_begin, render_end, encode_begin, encode_end, send_begin,
-      send_end;
+  ServerTime view_received, render_begin, render_end, encode_begin, encode_end, send_end;
 };
 
 struct ClientStamps {

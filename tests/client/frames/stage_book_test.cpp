@@ -28,7 +28,7 @@ net::FrameBegin begin_after(std::uint64_t number, const StampedPath& path) {
   begin.epoch = 5;
   begin.frame = number + 1;
   begin.previous_frame = number;
-  begin.previous_send_begin = path.server().send_begin;
+  begin.previous_send_begin = path.server().encode_end;
   begin.previous_send_end = path.server().send_end;
   return begin;
 }

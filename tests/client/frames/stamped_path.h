@@ -39,8 +39,7 @@ struct StampedPath {
     s.render_end = s.render_begin + of(Stage::Render);
     s.encode_begin = s.render_end + gap_before_encode;
     s.encode_end = s.encode_begin + of(Stage::Encode);
-    s.send_begin = s.encode_end;
-    s.send_end = s.send_begin + of(Stage::SendQueue);
+    s.send_end = s.encode_end + of(Stage::SendQueue);
     return s;
   }
   frames::ClientStamps client() const {
