@@ -197,7 +197,8 @@ TEST_F(Connection, EndpointsLeaveNoDescriptorBehind) {
     ASSERT_TRUE(server.next<HelloReceived>());
     server.endpoint().send_frame(PeerId{1}, make_frame(server.epoch(), 1, 500'000));
   }
-  EXPECT_EQ(open_descriptors(), before);
+  // The server of the first connection may have closed its end only after `before` was counted.
+  EXPECT_LE(open_descriptors(), before);
 }
 
 class DelayedSendQueue : public Connection {
