@@ -20,11 +20,7 @@ done
 if [ "$install" = yes ]; then "$root/deploy/install.sh" build; fi
 
 # Tests need packages that a demonstration does not: build the two programs alone.
-launcher=()
-if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-if [ ! -f build/release/build.ninja ]; then
-  cmake --preset release -DMACULA_TESTS=OFF "${launcher[@]}" >/dev/null
-fi
+if [ ! -f build/release/build.ninja ]; then configure release -DMACULA_TESTS=OFF; fi
 cmake --build --preset release --target macula_server macula_client
 
 bin=$root/build/release/bin
