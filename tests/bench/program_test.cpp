@@ -124,6 +124,29 @@ TEST_F(Program, RefusesAStillThatCannotBeMeant) {
   EXPECT_EQ(bench({"still", "--out", path("a.png")}).status, 2) << "no scene";
 }
 
+TEST_F(Program, WritesAStillWithItsPlanesAsOneExrAndAPictureAPlane) {
+  const Finished run =
+      bench({"still", "--scene", "cornell", "--size", "24x16", "--spp", "4", "--aov",
+             "depth,normal,albedo,id,rate,samples,variance", "--out", path("still.exr")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto row = row_of(run.out);
+  // Channel names stand in the header as text, in alphabetical order.
+  const std::string bytes = text_of(path("still.exr"));
+  for (const char* channel :
+       {"R", "G", "B", "depth.Z", "normal.X", "normal.Y", "normal.Z", "albedo.R", "albedo.G",
+        "albedo.B", "id.Y", "rate.Y", "samples.Y", "variance.Y"}) {
+    EXPECT_TRUE(contains(bytes, std::string(channel) + '\0')) << channel;
+  }
+  const auto beauty = shading::read_exr(path("still.exr"));
+  ASSERT_TRUE(beauty) << beauty.error().message();
+  double mean = 0.0;
+  for (const Rgb& pixel : beauty->pixels()) mean += pixel.x / (24.0 * 16.0);
+  EXPECT_NEAR(mean, row.at("mean_r"), 1e-3 * mean) << "R, G, B are the beauty, not a plane";
+  for (const char* plane : {"depth", "normal", "albedo", "id", "rate", "samples", "variance"}) {
+    EXPECT_TRUE(image::read_png(path(std::string("still.") + plane + ".png"))) << plane;
+  }
+}
+
 TEST_F(Program, NamesAMissingPictureAndWhatToDo) {
   const std::string a = grey_png("a.png", 100);
   for (const char* name : {"missing.png", "missing.exr"}) {

@@ -46,7 +46,7 @@ struct StillOptions {
   StillGaze gaze;
   StillMaterial material = StillMaterial::AsInScene;
   int bounces = 0;                 ///< 0 or 1
-  std::vector<StillPlane> planes;  ///< --aov; written beside the picture
+  std::vector<StillPlane> planes;  ///< --aov; layers of the EXR, and a PNG each
   StillGrid grid = StillGrid::Uniform;
   std::string rate_model = "cortical";  ///< preset of shared/foveation/rate.h
   std::uint64_t seed = 1;

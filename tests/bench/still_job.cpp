@@ -1,0 +1,199 @@
+#include "tests/bench/still_job.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "server/kernels/registry.h"
+#include "server/scene/load.h"
+#include "shared/base/text.h"
+#include "tests/bench/progress.h"
+
+namespace macula::bench {
+namespace {
+
+using base::bad_input;
+using base::forward;
+
+/// Samples a cell are taken in passes of at most this many, so that progress can be shown.
+constexpr int kSamplesPerPass = 16;
+/// Eye height of a standing viewer where a scene brings no camera.
+constexpr double kStandingEye_m = 1.6;
+
+/// CPU time of the whole process.
+class Stopwatch {
+ public:
+  double lap_ms() {
+    const std::clock_t now = std::clock(), begin = begin_;
+    begin_ = now;
+    return 1e3 * static_cast<double>(now - begin) / CLOCKS_PER_SEC;
+  }
+
+ private:
+  std::clock_t begin_ = std::clock();
+};
+
+// ---- what is looked at ----
+
+struct Shot {
+  Pose world_from_view;
+  Radians vertical_fov{Degrees{60.0}};
+};
+
+Result<Shot> explicit_shot(const StillCamera& camera, double meters_per_unit) {
+  const DVec3 forward_axis = camera.target - camera.eye;
+  if (!(glm::length(glm::cross(forward_axis, camera.up)) > 0.0)) {
+    return bad_input("looks at its own place or along its up vector", "--camera",
+                     "eye, target and up must span a plane");
+  }
+  const Pose pose =
+      math::look_at(meters_per_unit * camera.eye, meters_per_unit * camera.target, camera.up);
+  if (!math::is_valid(pose)) return bad_input("is not finite or beyond 1e7 m", "--camera");
+  return Shot{pose, camera.vertical_fov};
+}
+
+Result<Shot> named_shot(const scene::Scene& scene, const std::string& name) {
+  std::string names;
+  for (const scene::Camera& camera : scene.cameras) {
+    if (camera.name == name) return Shot{camera.world_from_view, camera.vertical_fov};
+    names += (names.empty() ? "" : ", ") + camera.name;
+  }
+  return bad_input(base::concat("the scene has no camera '", name, "'"), "--camera",
+                   names.empty() ? "it has none; give one by eight numbers and a field of view"
+                                 : "it has: " + names);
+}
+
+Result<Shot> choose_shot(const StillOptions& options, const scene::Scene& scene) {
+  if (options.camera) return explicit_shot(*options.camera, scene.settings.meters_per_unit);
+  if (!options.camera_name.empty()) return named_shot(scene, options.camera_name);
+  if (!scene.cameras.empty()) {
+    return Shot{scene.cameras.front().world_from_view, scene.cameras.front().vertical_fov};
+  }
+  const Pose stage_from_view{DVec3{0.0, kStandingEye_m, 0.0}, DQuat{1.0, 0.0, 0.0, 0.0}};
+  return Shot{scene.settings.scene_from_stage * stage_from_view};
+}
+
+Gaze gaze_of(const StillGaze& angles) {
+  const double yaw = Radians{angles.yaw}.value(), pitch = Radians{angles.pitch}.value();
+  return {Vec3(std::sin(yaw) * std::cos(pitch), std::sin(pitch), -std::cos(yaw) * std::cos(pitch))};
+}
+
+unsigned plane_flag(StillPlane plane) {
+  switch (plane) {
+    case StillPlane::Depth:
+      return 0;  // always made
+    case StillPlane::Normal:
+      return kernels::kNormal;
+    case StillPlane::Albedo:
+      return kernels::kAlbedo;
+    case StillPlane::Id:
+      return kernels::kSurfaceId;
+    case StillPlane::Rate:
+      return kernels::kRate;
+    case StillPlane::Samples:
+      return kernels::kSamples;
+    case StillPlane::Variance:
+      return kernels::kVariance;
+    case StillPlane::Steps:
+      return 0;  // refused by prepare_still()
+  }
+  return 0;
+}
+
+/// Adds one pass of `share` of all samples to the mean; other planes stay those of the first pass.
+void merge(kernels::ViewBuffers& mean, const kernels::ViewBuffers& pass, float share) {
+  for (std::size_t i = 0; i < mean.radiance.size(); ++i) {
+    mean.radiance.pixels()[i] += share * pass.radiance.pixels()[i];
+  }
+  for (std::size_t i = 0; i < mean.variance.size(); ++i) {
+    mean.variance.pixels()[i] += share * share * pass.variance.pixels()[i];
+  }
+  for (std::size_t i = 0; i < mean.samples.size(); ++i) {
+    mean.samples.pixels()[i] += pass.samples.pixels()[i];
+  }
+}
+
+kernels::ViewBuffers start_from(const kernels::ViewBuffers& pass, float share) {
+  kernels::ViewBuffers mean = pass;
+  for (Rgb& value : mean.radiance.pixels()) value *= share;
+  for (float& value : mean.variance.pixels()) value *= share * share;
+  return mean;
+}
+
+}  // namespace
+
+Result<StillJob> prepare_still(const StillOptions& options) {
+  const auto rate = foveation::find_rate_model(options.rate_model);
+  if (!rate) return forward(rate);
+  if (std::ranges::count(options.planes, StillPlane::Steps) > 0) {
+    return bad_input("'steps' is made by kernels that march distance fields only", "--aov");
+  }
+  StillJob job;
+  Stopwatch watch;
+  const auto loaded = scene::load_scene(options.scene);
+  if (!loaded) return forward(loaded);
+  const auto shot = choose_shot(options, **loaded);
+  if (!shot) return forward(shot);
+  job.load_cpu_ms = watch.lap_ms();
+  auto frame = kernels::SceneFrame::create(*loaded);
+  if (!frame) return forward(frame);
+  job.build_cpu_ms = watch.lap_ms();
+  job.scene = *frame;
+  job.display = {math::symmetric_fov(shot->vertical_fov,
+                                     static_cast<double>(options.width_px) / options.height_px),
+                 options.width_px, options.height_px};
+  job.rate = *rate;
+  job.view.world_from_view = shot->world_from_view;
+  job.view.gaze = gaze_of(options.gaze);
+  job.view.tone = (*loaded)->settings.tone;
+  job.view.grid = options.grid == StillGrid::Uniform
+                      ? foveation::make_uniform_grid(job.display)
+                      : foveation::make_foveal_grid(job.display, job.view.gaze, *rate);
+  job.kernel = options.kernel != "auto" ? options.kernel : (options.bounces > 0 ? "brute" : "ray");
+  for (const StillPlane plane : options.planes) job.wanted |= plane_flag(plane);
+  return job;
+}
+
+Result<RenderedStill> render_still(const StillJob& job, const StillOptions& options) {
+  kernels::KernelOptions settings;
+  settings.mode = options.mode == StillMode::Fast ? kernels::Mode::Fast : kernels::Mode::Exact;
+  settings.area_light_samples = options.light_samples;
+  settings.ambient_samples = options.light_samples;
+  settings.bounces = options.bounces;
+  settings.lambert_only = options.material == StillMaterial::Lambert;
+
+  scheduling::TileScheduler scheduler(options.threads);
+  const FoveationMap map({{job.view.grid, job.view.gaze, job.display.pixel_tangent()}}, job.rate);
+  kernels::History history;
+  kernels::FrameBuffers buffers;
+  buffers.wanted = job.wanted;
+  RenderedStill rendered;
+  Progress progress("rendering", options.samples_per_cell);
+  Stopwatch watch;
+  for (int done = 0, pass = 0; done < options.samples_per_cell; ++pass) {
+    settings.samples_per_cell = std::min(kSamplesPerPass, options.samples_per_cell - done);
+    const auto kernel = kernels::make_kernel(job.kernel, settings);
+    if (!kernel) return forward(kernel);
+    const kernels::FrameRequest request{
+        {&job.view, 1}, map, static_cast<std::uint64_t>(pass), options.seed};
+    const auto report = (*kernel)->render(request, *job.scene, history, scheduler, buffers);
+    const float share = static_cast<float>(settings.samples_per_cell) /
+                        static_cast<float>(options.samples_per_cell);
+    if (pass == 0) {
+      rendered.planes = start_from(buffers.views.front(), share);
+    } else {
+      merge(rendered.planes, buffers.views.front(), share);
+    }
+    rendered.report.primary_rays += report.primary_rays;
+    rendered.report.shadow_rays += report.shadow_rays;
+    rendered.report.non_finite_samples += report.non_finite_samples;
+    rendered.report.trace_ms += report.trace_ms;
+    rendered.report.shade_ms += report.shade_ms;
+    done += settings.samples_per_cell;
+    progress.advance(settings.samples_per_cell);
+  }
+  rendered.cpu_ms = watch.lap_ms();
+  return rendered;
+}
+
+}  // namespace macula::bench
