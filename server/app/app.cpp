@@ -24,6 +24,14 @@ void print_scenes() {
     std::cout << entry.name << "\t" << entry.summary << "\n";
 }
 
+/// A scene and everything decided from it.
+struct PlannedScene {
+  SceneTable scene;
+  scene::SceneFacts facts;
+  scene::ScenePlan plan;
+  scene::KernelChoice kernel;
+};
+
 scene::KernelChoice resolve_kernel(const Options& options, const scene::SceneFacts& facts) {
   if (options.kernel != "auto") return {options.kernel, "asked for"};
   std::vector<std::string_view> registered;
@@ -32,12 +40,19 @@ scene::KernelChoice resolve_kernel(const Options& options, const scene::SceneFac
   return scene::choose_kernel(facts, scene::IndirectLight::NotWanted, registered);
 }
 
-void print_plan(const Options& options, const scene::SceneFacts& facts,
-                const scene::KernelChoice& choice) {
-  std::cout << "kernel " << choice.kernel << ": " << choice.reason << "\n";
-  for (const scene::Pass& pass : scene::plan_passes(facts, options.ambient_samples))
-    std::cout << (pass.used ? "  used      " : "  left out  ") << pass.name << ": " << pass.reason
+PlannedScene plan_scene(const Options& options, SceneTable scene) {
+  const scene::SceneFacts facts = scene::facts_of(*scene);
+  const scene::Wishes wishes{.ambient_samples = options.ambient_samples};
+  return {std::move(scene), facts, scene::ScenePlan(facts, wishes), resolve_kernel(options, facts)};
+}
+
+void print_plan(const PlannedScene& planned) {
+  std::cout << "kernel " << planned.kernel.kernel << ": " << planned.kernel.reason << "\n";
+  for (const scene::PlannedStep& step : planned.plan.steps()) {
+    const bool used = step.use != scene::StepUse::LeftOut;
+    std::cout << (used ? "  used      " : "  left out  ") << step.name << ": " << step.reason
               << "\n";
+  }
 }
 
 void print_assumptions(const scene::Scene& scene) {
@@ -58,10 +73,11 @@ std::string one_line(std::string text) {
   return text;
 }
 
-session::ServerConfig server_config(const Options& options, const scene::Scene& scene,
-                                    const scene::SceneFacts& facts, std::string_view kernel) {
+session::ServerConfig server_config(const Options& options, const PlannedScene& planned) {
+  const scene::Scene& scene = *planned.scene;
+  const scene::SceneFacts& facts = planned.facts;
   session::ServerConfig config;
-  config.offer.kernel = kernel;
+  config.offer.kernel = planned.kernel.kernel;
   config.offer.default_codec = options.codec;
   config.offer.scene = {scene.name, facts.triangles, facts.lights + facts.emissive_triangles,
                         scene.settings.scene_from_stage};
@@ -105,13 +121,12 @@ void serve(session::Server& server, const Options& options, StopSignal& stop) {
   server.stop();
 }
 
-Result<void> serve_scene(const Options& options, SceneTable scene, const scene::SceneFacts& facts,
-                         std::string_view kernel_name, std::unique_ptr<kernels::Kernel> kernel,
-                         StopSignal& stop) {
+Result<void> serve_scene(const Options& options, const PlannedScene& planned,
+                         std::unique_ptr<kernels::Kernel> kernel, StopSignal& stop) {
   const base::SteadyClock clock;
   auto endpoint = open_endpoint(options, clock);
   if (!endpoint) return base::forward(endpoint);
-  auto frame = kernels::SceneFrame::create(scene);
+  auto frame = kernels::SceneFrame::create(planned.scene, planned.plan);
   if (!frame) return base::forward(frame);
   session::ServerParts parts;
   parts.endpoint = std::move(*endpoint);
@@ -120,8 +135,7 @@ Result<void> serve_scene(const Options& options, SceneTable scene, const scene::
   parts.scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
   parts.clock = &clock;
   parts.random = system_random();
-  auto server =
-      session::Server::create(server_config(options, *scene, facts, kernel_name), std::move(parts));
+  auto server = session::Server::create(server_config(options, planned), std::move(parts));
   if (!server) return base::forward(server);
   serve(**server, options, stop);
   return {};
@@ -138,17 +152,16 @@ Result<void> run(Options options, const Environment& environment, StopSignal& st
   if (options.keys.empty()) options.keys = environment.default_key_folder;
   auto scene = scene::load_scene(options.scene);
   if (!scene) return base::forward(scene);
-  const scene::SceneFacts facts = scene::facts_of(**scene);
-  const scene::KernelChoice choice = resolve_kernel(options, facts);
-  auto kernel = kernels::make_kernel(choice.kernel, kernel_options(options));
+  const PlannedScene planned = plan_scene(options, std::move(*scene));
+  auto kernel = kernels::make_kernel(planned.kernel.kernel, kernel_options(options));
   if (!kernel) return base::forward(kernel);
 
   std::cout << describe(options);
-  print_assumptions(**scene);
-  print_plan(options, facts, choice);
+  print_assumptions(*planned.scene);
+  print_plan(planned);
   if (options.explain) return {};
   std::cout << std::flush;
-  return serve_scene(options, std::move(*scene), facts, choice.kernel, std::move(*kernel), stop);
+  return serve_scene(options, planned, std::move(*kernel), stop);
 }
 
 }  // namespace macula::server_app

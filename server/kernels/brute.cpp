@@ -20,6 +20,8 @@ class RandomStream {
  public:
   RandomStream(std::uint64_t key, int sample) { key_.value = math::hash_combine(key, sample + 1); }
   float next() { return sampling::sample(key_, dimension_++); }
+  /// A stream of its own for one term, so that no term's appetite shifts another's numbers.
+  RandomStream branch() { return RandomStream(key_.value, static_cast<int>(dimension_++)); }
 
  private:
   sampling::SampleKey key_;
@@ -53,7 +55,9 @@ class Tracer {
 
   /// Everything but emission: light reflected at the vertex towards its eye.
   Rgb reflected(const Vertex& vertex, int bounces, RandomStream& random) {
-    Rgb sum = from_punctual(vertex) + from_emissive(vertex, random) + from_ambient(vertex, random);
+    RandomStream for_emissive = random.branch(), for_ambient = random.branch();
+    Rgb sum = from_punctual(vertex) + from_emissive(vertex, for_emissive) +
+              from_ambient(vertex, for_ambient);
     if (bounces > 0) sum += from_bounce(vertex, bounces, random);
     return sum;
   }
@@ -72,7 +76,7 @@ class Tracer {
 
   Rgb from_punctual(const Vertex& vertex) {
     Rgb sum{0.0F};
-    for (const scene::Light& light : scene_.scene().lights) {
+    for (const scene::Light& light : scene_.lights().punctual()) {
       const auto arrival = lights::arriving(light, vertex.surface.position);
       if (!arrival) continue;
       const Rgb value = vertex.reflector.evaluate(arrival->to_light) * arrival->irradiance;
@@ -124,7 +128,9 @@ class Tracer {
   /// The ambient term as README.md of kernel `ray` defines it.
   Rgb from_ambient(const Vertex& vertex, RandomStream& random) {
     const scene::Settings& settings = scene_.scene().settings;
-    if (settings.ambient == Rgb{0.0F} || options_.ambient_samples == 0) return Rgb{0.0F};
+    if (!scene_.plan().has(scene::Step::Ambient) || options_.ambient_samples == 0) {
+      return Rgb{0.0F};
+    }
     int open_count = 0;
     for (int k = 0; k < options_.ambient_samples; ++k) {
       const Vec3 direction = cosine_direction(vertex.reflector.frame(), random);

@@ -5,23 +5,55 @@
 #include "shared/base/check.h"
 
 namespace macula::kernels {
+namespace {
+
+using scene::ScenePlan;
+using scene::Step;
+
+visibility::Options visibility_options(const ScenePlan& plan) {
+  visibility::Options options;
+  options.bvh = plan.use(Step::TriangleBvh);
+  options.alpha_test = plan.use(Step::AlphaTest);
+  return options;
+}
+
+shading::MaterialOptions material_options(const ScenePlan& plan) {
+  return {plan.use(Step::Textures), plan.use(Step::SpecularLobe)};
+}
+
+lights::Options light_options(const ScenePlan& plan) {
+  lights::Options options;
+  options.area_lights = plan.use(Step::AreaLights);
+  options.punctual = plan.use(Step::PunctualLights);
+  return options;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<const SceneFrame>> SceneFrame::create(
+    std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan, SceneTime time) {
+  MACULA_CHECK(scene != nullptr);
+  auto triangles = visibility::TriangleScene::create(*scene, visibility_options(plan));
+  if (!triangles) return base::forward(triangles);
+  return std::shared_ptr<const SceneFrame>(
+      new SceneFrame(std::move(scene), plan, std::move(*triangles), time));
+}
 
 Result<std::shared_ptr<const SceneFrame>> SceneFrame::create(
     std::shared_ptr<const scene::Scene> scene, SceneTime time) {
   MACULA_CHECK(scene != nullptr);
-  auto triangles = visibility::TriangleScene::create(*scene);
-  if (!triangles) return base::forward(triangles);
-  return std::shared_ptr<const SceneFrame>(
-      new SceneFrame(std::move(scene), std::move(*triangles), time));
+  const ScenePlan plan(scene::facts_of(*scene));
+  return create(std::move(scene), plan, time);
 }
 
-SceneFrame::SceneFrame(std::shared_ptr<const scene::Scene> scene,
+SceneFrame::SceneFrame(std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan,
                        std::shared_ptr<const visibility::TriangleScene> triangles, SceneTime time)
     : scene_(std::move(scene)),
+      plan_(plan),
       triangles_(std::move(triangles)),
       surfaces_(*scene_),
-      materials_(*scene_),
-      lights_(*scene_, materials_),
+      materials_(*scene_, material_options(plan_)),
+      lights_(*scene_, materials_, light_options(plan_)),
       time_(time) {}
 
 }  // namespace macula::kernels

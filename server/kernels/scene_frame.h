@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "server/lights/light_list.h"
+#include "server/scene/plan.h"
 #include "server/scene/scene.h"
 #include "server/shading/material_table.h"
 #include "server/shading/surface.h"
@@ -21,11 +22,17 @@ struct SceneTime {
 
 class SceneFrame {
  public:
-  /// Builds the structures on all cores. Errors: those of visibility::TriangleScene::create.
+  /// Builds the plan's structures on all cores. Errors: those of visibility::TriangleScene::create.
+  static Result<std::shared_ptr<const SceneFrame>> create(std::shared_ptr<const scene::Scene> scene,
+                                                          const scene::ScenePlan& plan,
+                                                          SceneTime time = {});
+  /// By the scene's own plan.
   static Result<std::shared_ptr<const SceneFrame>> create(std::shared_ptr<const scene::Scene> scene,
                                                           SceneTime time = {});
 
   const scene::Scene& scene() const { return *scene_; }
+  /// What kernels may run: a step that is left out has no structure here.
+  const scene::ScenePlan& plan() const { return plan_; }
   const visibility::TriangleScene& triangles() const { return *triangles_; }
   const shading::SurfaceTable& surfaces() const { return surfaces_; }
   const shading::MaterialTable& materials() const { return materials_; }
@@ -33,10 +40,11 @@ class SceneFrame {
   SceneTime time() const { return time_; }
 
  private:
-  SceneFrame(std::shared_ptr<const scene::Scene> scene,
+  SceneFrame(std::shared_ptr<const scene::Scene> scene, const scene::ScenePlan& plan,
              std::shared_ptr<const visibility::TriangleScene> triangles, SceneTime time);
 
   std::shared_ptr<const scene::Scene> scene_;
+  scene::ScenePlan plan_;
   std::shared_ptr<const visibility::TriangleScene> triangles_;
   shading::SurfaceTable surfaces_;
   shading::MaterialTable materials_;

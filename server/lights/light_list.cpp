@@ -23,6 +23,10 @@ float spot_falloff(const scene::Light& light, const Vec3& to_light) {
   return static_cast<float>(ramp * ramp);
 }
 
+bool is_wanted(scene::StepUse area_lights, bool emits) {
+  return area_lights == scene::StepUse::Forced || (area_lights == scene::StepUse::Used && emits);
+}
+
 double weight(const EmissiveTriangle& light, Selection selection) {
   switch (selection) {
     case Selection::ByPower:
@@ -110,10 +114,13 @@ std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point) {
 }
 
 LightList::LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
-                     Selection selection)
-    : punctual_(scene.lights) {
-  for (scene::Index i = 0; i < scene.instances.size(); ++i) add_instance(scene, i, materials);
-  cumulative_ = cumulative_shares(emissive_, selection);
+                     const Options& options) {
+  if (options.punctual != scene::StepUse::LeftOut) punctual_ = scene.lights;
+  for (scene::Index i = 0; i < scene.instances.size(); ++i) {
+    const bool emits = materials.emits(scene.meshes[scene.instances[i].mesh].material);
+    if (is_wanted(options.area_lights, emits)) add_instance(scene, i, materials);
+  }
+  cumulative_ = cumulative_shares(emissive_, options.selection);
   table_ = make_table(emissive_, cumulative_, materials);
 }
 
@@ -121,7 +128,6 @@ void LightList::add_instance(const scene::Scene& scene, scene::Index instance,
                              const shading::MaterialTable& materials) {
   const scene::Instance& placed = scene.instances[instance];
   const scene::Mesh& mesh = scene.meshes[placed.mesh];
-  if (!materials.emits(mesh.material)) return;
   const DMat3 linear(placed.world_from_object);
   // Under a mirroring transform the vertices run the other way round the same front side.
   const double facing = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/sampling/batch.h"
+#include "server/scene/plan.h"
 #include "server/scene/scene.h"
 #include "server/shading/material_table.h"
 #include "server/shading/surface.h"
@@ -45,6 +46,13 @@ struct EmissiveTriangle {
 /// How often an emissive triangle is drawn: in proportion to its power, to its area, or all alike.
 enum class Selection { ByPower, ByArea, Alike };
 
+struct Options {
+  Selection selection = Selection::ByPower;
+  /// LeftOut: no emissive triangles. Forced: every triangle is one, though its radiance may be 0.
+  scene::StepUse area_lights = scene::StepUse::Used;
+  scene::StepUse punctual = scene::StepUse::Used;  ///< LeftOut: no punctual lights
+};
+
 struct AreaSample {
   DVec3 position{0.0};
   Vec2 barycentric{0.0F};   ///< as in shading::SurfaceTable::at
@@ -77,7 +85,7 @@ struct EmitterTable {
 class LightList {
  public:
   LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
-            Selection selection = Selection::ByPower);
+            const Options& options = {});
 
   std::span<const scene::Light> punctual() const { return punctual_; }
   std::span<const EmissiveTriangle> emissive() const { return emissive_; }

@@ -45,19 +45,92 @@ bool is_registered(std::string_view kernel, std::span<const std::string_view> re
   return std::find(registered.begin(), registered.end(), kernel) != registered.end();
 }
 
-Pass pass(std::string_view name, std::size_t count, std::string_view what, std::string_view none) {
-  return {name, count > 0, count > 0 ? base::concat(count, " ", what) : std::string(none)};
-}
-
 bool is_textured(const Material& material) {
   return material.base_color_texture || material.metallic_roughness_texture ||
          material.emission_texture;
 }
 
-/// A rough dielectric's highlight is below what a frame shows; metal and polish are not.
+/// Reflects anything at normal or at grazing incidence (shading::MaterialTable): metal by its base
+/// colour, a dielectric unless KHR_materials_specular turns that off.
 bool is_glossy(const Material& material) {
-  return material.specular > 0.0F && (material.metallic > 0.0F || material.roughness < 1.0F);
+  return material.specular > 0.0F || material.metallic > 0.0F;
 }
+
+bool any_positive(const Rgb& c) {
+  return c.x > 0.0F || c.y > 0.0F || c.z > 0.0F;
+}
+
+// ---- the steps of a frame ----
+
+struct Verdict {
+  bool needed;
+  std::string reason;
+};
+Verdict if_any(std::size_t count, std::string_view what, std::string_view none) {
+  return {count > 0, count > 0 ? base::concat(count, " ", what) : std::string(none)};
+}
+
+Verdict ambient(const SceneFacts& facts, const Wishes& wishes) {
+  if (!facts.has_ambient) return {false, "no ambient light"};
+  if (wishes.ambient_samples == 0) return {false, "0 ambient samples are asked for"};
+  return {true, base::concat(wishes.ambient_samples, " samples a primary sample")};
+}
+
+struct StepRule {
+  Step step;
+  std::string_view name;
+  Verdict (*decide)(const SceneFacts&, const Wishes&);
+};
+
+/// In the order of a frame, which is the order of Step.
+constexpr std::array kSteps{
+    StepRule{Step::TriangleBvh, "triangle BVH",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.triangles, "triangles", "no triangles");
+             }},
+    StepRule{Step::AlphaTest, "alpha test",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.masked_materials, "masked or blended materials",
+                             "every material is opaque");
+             }},
+    StepRule{Step::Textures, "texture mip maps",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.textured_materials, "textured materials",
+                             "no textured material");
+             }},
+    StepRule{Step::SpecularLobe, "specular lobe",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.glossy_materials, "glossy materials", "no glossy material");
+             }},
+    StepRule{Step::PunctualLights, "point, spot and directional lights",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.lights, "lights", "no such light");
+             }},
+    StepRule{Step::AreaLights, "area-light table and sampling",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.emissive_triangles, "emissive triangles",
+                             "no emissive triangles");
+             }},
+    StepRule{Step::Ambient, "ambient occlusion", ambient},
+    StepRule{Step::DistanceField, "distance-field tracer",
+             [](const SceneFacts& facts, const Wishes&) {
+               return Verdict{facts.is_sdf,
+                              facts.is_sdf ? "the scene is a distance field" : "no distance field"};
+             }},
+    StepRule{Step::Refit, "refit per frame",
+             [](const SceneFacts&, const Wishes&) {
+               return Verdict{false, "nothing moves"};
+             }},
+};
+
+/// ScenePlan finds a step at its own index.
+constexpr bool in_order() {
+  for (std::size_t i = 0; i < kSteps.size(); ++i) {
+    if (static_cast<std::size_t>(kSteps[i].step) != i) return false;
+  }
+  return true;
+}
+static_assert(in_order(), "a row for every step, in the order of the enumeration");
 
 }  // namespace
 
@@ -68,11 +141,10 @@ SceneFacts facts_of(const Scene& scene) {
   facts.lights = scene.lights.size();
   for (const Material& material : scene.materials) {
     facts.textured_materials += is_textured(material) ? 1 : 0;
-    facts.masked_materials += material.alpha_mode == AlphaMode::Mask ? 1 : 0;
+    facts.masked_materials += material.alpha_mode != AlphaMode::Opaque ? 1 : 0;
     facts.glossy_materials += is_glossy(material) ? 1 : 0;
   }
-  const Rgb& ambient = scene.settings.ambient;
-  facts.has_ambient = ambient.x > 0.0F || ambient.y > 0.0F || ambient.z > 0.0F;
+  facts.has_ambient = any_positive(scene.settings.ambient);
   return facts;
 }
 
@@ -89,25 +161,32 @@ KernelChoice choose_kernel(const SceneFacts& facts, IndirectLight indirect,
   return {registered.front(), wished + "the only kernel there is"};
 }
 
-std::vector<Pass> plan_passes(const SceneFacts& facts, int ambient_samples) {
-  const bool ambient = facts.has_ambient && ambient_samples > 0;
-  return {
-      pass("triangle BVH", facts.triangles, "triangles", "no triangles"),
-      pass("alpha test", facts.masked_materials, "masked materials", "no masked material"),
-      pass("texture mip maps", facts.textured_materials, "textured materials",
-           "no textured material"),
-      pass("specular lobe", facts.glossy_materials, "glossy materials", "no glossy material"),
-      pass("point, spot and directional lights", facts.lights, "lights", "no such light"),
-      pass("area-light sampling", facts.emissive_triangles, "emissive triangles",
-           "no emissive triangles"),
-      {"ambient occlusion", ambient,
-       !facts.has_ambient ? "no ambient light"
-       : ambient          ? base::concat(ambient_samples, " samples a primary sample")
-                          : std::string("--ambient-samples is 0")},
-      {"distance-field tracer", facts.is_sdf,
-       facts.is_sdf ? "the scene is a distance field" : "no distance field"},
-      {"refit per frame", false, "nothing moves"},
-  };
+ScenePlan::ScenePlan(const SceneFacts& facts, const Wishes& wishes) {
+  for (const StepRule& rule : kSteps) {
+    Verdict verdict = rule.decide(facts, wishes);
+    steps_.push_back({rule.step, rule.name, verdict.needed ? StepUse::Used : StepUse::LeftOut,
+                      std::move(verdict.reason)});
+  }
+}
+
+StepUse ScenePlan::use(Step step) const {
+  return steps_[static_cast<std::size_t>(step)].use;
+}
+
+ScenePlan ScenePlan::forcing(Step step) const {
+  return with(step, StepUse::Forced, "forced");
+}
+
+ScenePlan ScenePlan::without(Step step) const {
+  return with(step, StepUse::LeftOut, "forbidden");
+}
+
+ScenePlan ScenePlan::with(Step step, StepUse use, std::string reason) const {
+  ScenePlan changed = *this;
+  PlannedStep& entry = changed.steps_[static_cast<std::size_t>(step)];
+  entry.use = use;
+  entry.reason = std::move(reason);
+  return changed;
 }
 
 }  // namespace macula::scene

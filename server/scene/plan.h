@@ -1,6 +1,7 @@
-// ScenePlan: what a scene requires, and therefore which kernel suits it and which passes run. Pure
-// and visible: the choice is a table with one row a rule, and every pass is named as used or left
-// out, with the reason (macula-server --explain).
+// ScenePlan: what a scene requires, and therefore which kernel suits it, which structures are built
+// and which passes run. Pure and visible: each choice is a table with one row a rule. Kernels and
+// structures ask the plan, so what `macula-server --explain` prints as left out is neither built
+// nor run. Immutable values.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +20,8 @@ struct SceneFacts {
   std::size_t emissive_triangles = 0;  ///< over instances
   std::size_t lights = 0;              ///< point, spot and directional
   std::size_t textured_materials = 0;
-  std::size_t masked_materials = 0;  ///< alpha tested
-  std::size_t glossy_materials = 0;  ///< with a specular lobe worth evaluating
+  std::size_t masked_materials = 0;  ///< alpha tested: Mask or Blend
+  std::size_t glossy_materials = 0;  ///< with a specular lobe, however weak
   bool has_ambient = false;
   bool is_sdf = false;  ///< described by distances, not triangles
 };
@@ -36,12 +37,53 @@ struct KernelChoice {
 KernelChoice choose_kernel(const SceneFacts& facts, IndirectLight indirect,
                            std::span<const std::string_view> registered);
 
-struct Pass {
+/// Every structure and pass this program knows, in the order of a frame.
+enum class Step {
+  TriangleBvh,
+  AlphaTest,
+  Textures,
+  SpecularLobe,
+  PunctualLights,
+  AreaLights,
+  Ambient,
+  DistanceField,
+  Refit,
+};
+
+/// Used: wherever the scene needs it. Forced: everywhere it can be built or run, though nothing
+/// needs it; a picture must not change by that (tests hold it).
+enum class StepUse { LeftOut, Used, Forced };
+
+struct PlannedStep {
+  Step step;
   std::string_view name;
-  bool used = false;
+  StepUse use = StepUse::LeftOut;
   std::string reason;
 };
-/// Every structure and pass this program knows, in the order of a frame.
-std::vector<Pass> plan_passes(const SceneFacts& facts, int ambient_samples);
+
+/// What is asked for beside what the scene requires.
+struct Wishes {
+  int ambient_samples = 4;  ///< per primary sample; 0: no ambient term
+};
+
+class ScenePlan {
+ public:
+  explicit ScenePlan(const SceneFacts& facts, const Wishes& wishes = {});
+
+  StepUse use(Step step) const;
+  /// Used or Forced.
+  bool has(Step step) const { return use(step) != StepUse::LeftOut; }
+  /// Every step once, in the order of a frame.
+  std::span<const PlannedStep> steps() const { return steps_; }
+
+  /// The same plan but for one step: how tests show that a plan leaves out neither too much nor too
+  /// little.
+  ScenePlan forcing(Step step) const;
+  ScenePlan without(Step step) const;
+
+ private:
+  ScenePlan with(Step step, StepUse use, std::string reason) const;
+  std::vector<PlannedStep> steps_;
+};
 
 }  // namespace macula::scene

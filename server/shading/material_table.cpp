@@ -14,6 +14,9 @@ namespace {
 /// Reflectance of a dielectric at normal incidence for index of refraction 1.5, glTF's default.
 constexpr float kDielectricF0 = 0.04F;
 
+/// Reflectance of a forced lobe: above 0, below what any sum can hold beside 1.
+constexpr float kFaintest = 1e-12F;
+
 /// Length scale of a texture transform: how footprints grow through it.
 float footprint_scale(const scene::TextureRef& reference) {
   return std::sqrt(std::abs(reference.uv_scale.x * reference.uv_scale.y));
@@ -21,11 +24,16 @@ float footprint_scale(const scene::TextureRef& reference) {
 
 }  // namespace
 
-MaterialTable::MaterialTable(const scene::Scene& scene) {
+MaterialTable::MaterialTable(const scene::Scene& scene, const MaterialOptions& options)
+    : options_(options) {
+  const bool forced = options.textures == scene::StepUse::Forced;
+  const std::size_t white = 0;
+  if (forced) textures_.emplace_back(image::Plane<image::Rgba8>{}, scene::ColorSpace::Linear);
   std::map<std::pair<scene::Index, scene::ColorSpace>, std::size_t> known;
   const auto look_up =
       [&](const std::optional<scene::TextureRef>& reference) -> std::optional<Lookup> {
-    if (!reference) return std::nullopt;
+    if (options.textures == scene::StepUse::LeftOut) return std::nullopt;
+    if (!reference) return forced ? std::optional(Lookup{white, {}}) : std::nullopt;
     MACULA_CHECK(reference->image < scene.images.size(), "import checks image indices");
     const auto [place, added] =
         known.try_emplace({reference->image, reference->space}, textures_.size());
@@ -57,6 +65,7 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_
   const scene::Material& m = entry.material;
   const Rgb base = base_color(material, uv, footprint_uv);
   if (model == MaterialModel::Lambert) return Bsdf{base};
+  if (options_.specular_lobe == scene::StepUse::LeftOut) return Bsdf{(1.0F - m.metallic) * base};
   const Vec4 texture = read(entry.metallic_roughness, uv, footprint_uv);
   const float metallic = m.metallic * texture.z, roughness = m.roughness * texture.y;
   const Rgb dielectric = m.specular * glm::min(kDielectricF0 * m.specular_color, Rgb{1.0F});
@@ -65,6 +74,7 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_
   bsdf.f0 = (1.0F - metallic) * dielectric + metallic * base;
   bsdf.f90 = (1.0F - metallic) * m.specular + metallic;
   bsdf.alpha = std::clamp(roughness * roughness, kLeastAlpha, 1.0F);
+  if (options_.specular_lobe == scene::StepUse::Forced) bsdf.f90 = std::max(bsdf.f90, kFaintest);
   return bsdf;
 }
 

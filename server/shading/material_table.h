@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/scene/plan.h"
 #include "server/scene/scene.h"
 #include "server/shading/bsdf.h"
 #include "server/shading/texture.h"
@@ -14,10 +15,18 @@ namespace macula::shading {
 /// Lambert: every material becomes a diffuse one of its base colour, whatever else it says.
 enum class MaterialModel { AsInScene, Lambert };
 
+struct MaterialOptions {
+  /// LeftOut: factors alone. Forced: where a material has no texture it reads a white one.
+  scene::StepUse textures = scene::StepUse::Used;
+  /// LeftOut: every material is Lambert with its share of the base colour. Forced: where nothing is
+  /// reflected, a lobe too faint to see is evaluated.
+  scene::StepUse specular_lobe = scene::StepUse::Used;
+};
+
 class MaterialTable {
  public:
   /// Decodes every image once for each colour space that a material reads it in.
-  explicit MaterialTable(const scene::Scene& scene);
+  explicit MaterialTable(const scene::Scene& scene, const MaterialOptions& options = {});
 
   /// `footprint_uv`: side of the square of texture space one sample stands for; 0 = no filtering.
   Bsdf bsdf(scene::Index material, const Vec2& uv, float footprint_uv, MaterialModel model) const;
@@ -30,6 +39,7 @@ class MaterialTable {
   bool emits(scene::Index material) const;
   bool textured(scene::Index material) const;
   std::size_t size() const { return materials_.size(); }
+  std::size_t texture_count() const { return textures_.size(); }
 
  private:
   struct Lookup {
@@ -43,6 +53,7 @@ class MaterialTable {
   };
   Vec4 read(const std::optional<Lookup>& lookup, const Vec2& uv, float footprint_uv) const;
 
+  MaterialOptions options_;
   std::vector<Texture> textures_;
   std::vector<Entry> materials_;
 };

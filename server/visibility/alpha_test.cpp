@@ -56,6 +56,11 @@ AlphaUse alpha_use(const scene::Scene& scene, const scene::Mesh& mesh) {
 
 AlphaTest::AlphaTest(const scene::Scene& scene, const scene::Mesh& mesh)
     : triangles_(mesh.triangles) {
+  if (alpha_use(scene, mesh) == AlphaUse::AlwaysThere) {
+    texcoords_.assign(mesh.positions.size(), Vec2{0.0F});
+    alpha_ = image::Plane<std::uint8_t>(1, 1, 255);
+    return;
+  }
   const scene::Material& material = scene.materials[mesh.material];
   const scene::TextureRef& texture = *material.base_color_texture;
   texcoords_.reserve(mesh.texcoords.size());

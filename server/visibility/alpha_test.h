@@ -16,7 +16,7 @@ AlphaUse alpha_use(const scene::Scene& scene, const scene::Mesh& mesh);
 
 class AlphaTest {
  public:
-  /// Only for meshes whose alpha_use is PerTexel.
+  /// Of a mesh whose alpha_use is not NeverThere; one that is AlwaysThere answers yes everywhere.
   AlphaTest(const scene::Scene& scene, const scene::Mesh& mesh);
   /// u, v: barycentrics of vertices 1 and 2 of the triangle.
   bool is_there(std::uint32_t triangle, float u, float v) const;
@@ -25,8 +25,8 @@ class AlphaTest {
   std::vector<UVec3> triangles_;
   std::vector<Vec2> texcoords_;  ///< transformed, in texture units
   image::Plane<std::uint8_t> alpha_;
-  scene::Wrap wrap_u_, wrap_v_;
-  float least_texel_;  ///< alpha texel value from which the surface is there
+  scene::Wrap wrap_u_ = scene::Wrap::Repeat, wrap_v_ = scene::Wrap::Repeat;
+  float least_texel_ = 0.0F;  ///< alpha texel value from which the surface is there
 };
 
 }  // namespace macula::visibility

@@ -84,6 +84,7 @@ class Builder {
   RTCGeometry new_triangles(scene::Index mesh, const DMat4& transform);
   RTCGeometry new_instance_of(RTCScene child, const DMat4& transform) const;
   RTCScene child_of(scene::Index mesh);
+  AlphaUse alpha_of(const scene::Mesh& mesh) const;
   const AlphaTest& alpha_test(scene::Index mesh);
   bool goes_flat(const scene::Instance& instance) const;
   void add(scene::Index index);
@@ -103,6 +104,13 @@ RTCScene Builder::new_scene() const {
       made, options_.edges == EdgeTest::Robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
   rtcSetSceneBuildQuality(made, build_quality(options_.quality));
   return made;
+}
+
+AlphaUse Builder::alpha_of(const scene::Mesh& mesh) const {
+  if (options_.alpha_test == scene::StepUse::LeftOut) return AlphaUse::AlwaysThere;
+  const AlphaUse use = alpha_use(scene_, mesh);
+  const bool forced = options_.alpha_test == scene::StepUse::Forced;
+  return forced && use == AlphaUse::AlwaysThere ? AlphaUse::PerTexel : use;
 }
 
 const AlphaTest& Builder::alpha_test(scene::Index mesh) {
@@ -139,7 +147,7 @@ RTCGeometry Builder::new_triangles(scene::Index mesh_index, const DMat4& transfo
   rtcSetGeometryBuildQuality(geometry, build_quality(options_.quality));
   copy_vertices(geometry, mesh, transform);
   copy_triangles(geometry, mesh);
-  if (alpha_use(scene_, mesh) == AlphaUse::PerTexel) {
+  if (alpha_of(mesh) == AlphaUse::PerTexel) {
     rtcSetGeometryUserData(geometry, const_cast<AlphaTest*>(&alpha_test(mesh_index)));
     rtcSetGeometryIntersectFilterFunction(geometry, alpha_filter);
     rtcSetGeometryOccludedFilterFunction(geometry, alpha_filter);
@@ -181,7 +189,7 @@ bool Builder::goes_flat(const scene::Instance& instance) const {
 void Builder::add(scene::Index index) {
   const scene::Instance& instance = scene_.instances[index];
   const scene::Mesh& mesh = scene_.meshes[instance.mesh];
-  if (mesh.triangles.empty() || alpha_use(scene_, mesh) == AlphaUse::NeverThere) return;
+  if (mesh.triangles.empty() || alpha_of(mesh) == AlphaUse::NeverThere) return;
   const DMat4& transform = instance.world_from_object;
   const bool flat = goes_flat(instance);
   const RTCGeometry geometry = flat ? new_triangles(instance.mesh, transform)
@@ -237,6 +245,9 @@ Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::
                                                                    const Options& options) {
   if (const auto checked = check_transforms(scene); !checked) return base::forward(checked);
   auto state = std::make_unique<SceneState>();
+  const bool wanted = options.bvh == scene::StepUse::Forced ||
+                      (options.bvh == scene::StepUse::Used && !scene.instances.empty());
+  if (!wanted) return std::shared_ptr<const TriangleScene>(new TriangleScene(std::move(state)));
   state->device = rtcNewDevice(nullptr);
   if (state->device == nullptr) {
     return base::runtime_error(

@@ -196,8 +196,10 @@ void TriangleScene::intersect(const RayStream& rays, HitStream& hits, Coherence 
       return intersect_stream<16>(rays, *state_, coherence, hits);
     case 8:
       return intersect_stream<8>(rays, *state_, coherence, hits);
-    default:
+    case 1:
       return intersect_stream<1>(rays, *state_, coherence, hits);
+    default:
+      std::fill_n(hits.instance, rays.count, kNothing);
   }
 }
 
@@ -211,12 +213,15 @@ void TriangleScene::occluded(const RayStream& rays, OcclusionStream& result,
       return occlude_stream<16>(rays, *state_, coherence, result);
     case 8:
       return occlude_stream<8>(rays, *state_, coherence, result);
-    default:
+    case 1:
       return occlude_stream<1>(rays, *state_, coherence, result);
+    default:
+      std::fill_n(result.occluded, rays.count, std::uint8_t{0});
   }
 }
 
 std::optional<Hit> TriangleScene::intersect(const Ray& ray) const {
+  if (state_->packet_width == 0) return std::nullopt;
   RayStream rays;
   HitStream hits;
   rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar);
@@ -226,6 +231,7 @@ std::optional<Hit> TriangleScene::intersect(const Ray& ray) const {
 }
 
 bool TriangleScene::occluded(const Ray& ray) const {
+  if (state_->packet_width == 0) return false;
   RayStream rays;
   OcclusionStream result;
   rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar);

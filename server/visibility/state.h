@@ -21,8 +21,8 @@ struct SceneState {
 
   RTCDevice device = nullptr;
   RTCScene top = nullptr;  ///< geometry and instance ids are indices into Scene::instances
-  int packet_width = 8;
-  bool scatters = false;  ///< incoherent occlusion rays go as one stream, not in packets
+  int packet_width = 0;    ///< 0: no device, nothing to meet
+  bool scatters = false;   ///< incoherent occlusion rays go as one stream, not in packets
   /// Geometric normal of Embree (object space, by winding) to the world, towards the front face.
   std::vector<Mat3> world_normal_from_embree;  ///< by instance
   std::vector<std::unique_ptr<const AlphaTest>> alpha_tests;

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "server/scene/plan.h"
 #include "server/scene/scene.h"
 #include "server/visibility/ray_offset.h"
 #include "server/visibility/ray_stream.h"
@@ -33,6 +34,10 @@ struct Options {
   /// A scene of at most this many triangles, copies counted, has no instances inside: rays run
   /// about a quarter faster, for about 100 bytes a triangle.
   std::size_t flat_triangles = 2'000'000;
+  /// LeftOut: no Embree device; every ray misses. Forced: also for a scene without triangles.
+  scene::StepUse bvh = scene::StepUse::Used;
+  /// LeftOut: every surface is there. Forced: opaque surfaces, too, are asked whether they are.
+  scene::StepUse alpha_test = scene::StepUse::Used;
 };
 
 struct Ray {
@@ -69,7 +74,8 @@ class TriangleScene {
   std::optional<Hit> intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
-  /// Rays per packet in use: 1, 8 or 16. Tiles that keep 4x4 or 4x2 neighbours together fit it.
+  /// Rays per packet in use: 1, 8 or 16; 0 without a device. Tiles that keep 4x4 or 4x2 neighbours
+  /// together fit it.
   int packet_width() const;
 
  private:

@@ -22,10 +22,6 @@ constexpr float kIdle = -1.0F;  ///< tfar of a ray that is not traced
 /// Rays to this many triangles still run towards about the same place.
 constexpr std::size_t kMostOfOneLamp = 8;
 
-bool is_black(const Rgb& c) {
-  return c.x == 0.0F && c.y == 0.0F && c.z == 0.0F;
-}
-
 /// One batch on its way through all terms. The loops over points are plain, for the compiler's
 /// vectors; what it cannot see through stands in the rooms' *_simd.cpp.
 class Pass {
@@ -64,10 +60,11 @@ class Pass {
   visibility::OcclusionStream hidden_;
 };
 
+/// Only what the plan holds; a light list without the step is empty.
 void Pass::run() {
   for (const scene::Light& light : scene_.lights().punctual()) add_punctual(light);
   if (!scene_.lights().emissive().empty()) add_area();
-  if (config_.ambient_samples > 0 && !is_black(scene_.scene().settings.ambient)) add_ambient();
+  if (config_.ambient_samples > 0 && scene_.plan().has(scene::Step::Ambient)) add_ambient();
 }
 
 void Pass::add_punctual(const scene::Light& light) {

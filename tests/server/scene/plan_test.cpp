@@ -56,30 +56,50 @@ TEST(ScenePlan, AKernelThatIsNotRegisteredIsNamedAndPassedOver) {
   EXPECT_NE(chosen.reason.find("92 lights"), std::string::npos);
 }
 
-bool is_used(const std::vector<Pass>& passes, std::string_view name) {
-  for (const Pass& pass : passes)
-    if (pass.name == name) return pass.used;
-  ADD_FAILURE() << "no pass named " << name;
-  return false;
+TEST(ScenePlan, AStepIsUsedExactlyWhenTheSceneNeedsIt) {
+  SceneFacts facts;
+  const auto has = [&facts](Step step) { return ScenePlan(facts).has(step); };
+  for (const PlannedStep& step : ScenePlan(facts).steps()) {
+    EXPECT_EQ(step.use, StepUse::LeftOut) << step.name << ": an empty scene needs nothing";
+    EXPECT_FALSE(step.reason.empty()) << step.name;
+  }
+  facts.triangles = 100;
+  EXPECT_TRUE(has(Step::TriangleBvh));
+  facts.masked_materials = 1;
+  EXPECT_TRUE(has(Step::AlphaTest));
+  facts.textured_materials = 1;
+  EXPECT_TRUE(has(Step::Textures));
+  facts.glossy_materials = 1;
+  EXPECT_TRUE(has(Step::SpecularLobe));
+  facts.lights = 1;
+  EXPECT_TRUE(has(Step::PunctualLights));
+  EXPECT_FALSE(has(Step::AreaLights));
+  facts.emissive_triangles = 2;
+  EXPECT_TRUE(has(Step::AreaLights));
+  EXPECT_FALSE(has(Step::Ambient));
+  facts.has_ambient = true;
+  EXPECT_TRUE(has(Step::Ambient));
+  EXPECT_FALSE(ScenePlan(facts, {.ambient_samples = 0}).has(Step::Ambient));
+  EXPECT_FALSE(has(Step::DistanceField));
 }
 
-TEST(ScenePlan, APassIsUsedExactlyWhenTheSceneNeedsIt) {
-  SceneFacts facts = plain();
-  EXPECT_TRUE(is_used(plan_passes(facts, 4), "triangle BVH"));
-  EXPECT_FALSE(is_used(plan_passes(facts, 4), "area-light sampling"));
-  EXPECT_FALSE(is_used(plan_passes(facts, 4), "ambient occlusion"));
-  facts.emissive_triangles = 2;
-  facts.has_ambient = true;
-  EXPECT_TRUE(is_used(plan_passes(facts, 4), "area-light sampling"));
-  EXPECT_TRUE(is_used(plan_passes(facts, 4), "ambient occlusion"));
-  EXPECT_FALSE(is_used(plan_passes(facts, 0), "ambient occlusion"));
-  for (const Pass& pass : plan_passes(facts, 4)) EXPECT_FALSE(pass.reason.empty());
+TEST(ScenePlan, OneStepCanBeForcedOrForbiddenAndTheRestStays) {
+  const ScenePlan plan(plain());
+  const ScenePlan forced = plan.forcing(Step::AreaLights);
+  const ScenePlan without = plan.without(Step::TriangleBvh);
+  EXPECT_EQ(forced.use(Step::AreaLights), StepUse::Forced);
+  EXPECT_EQ(without.use(Step::TriangleBvh), StepUse::LeftOut);
+  for (const PlannedStep& step : plan.steps()) {
+    EXPECT_TRUE(step.step == Step::AreaLights || forced.use(step.step) == step.use) << step.name;
+    EXPECT_TRUE(step.step == Step::TriangleBvh || without.use(step.step) == step.use) << step.name;
+  }
 }
 
 TEST(ScenePlan, FactsCountWhatTheSceneHolds) {
   Scene scene;
   scene.materials.resize(3);
-  scene.materials[0].roughness = 0.2F;
+  for (Material& material : scene.materials) material.specular = 0.0F;
+  scene.materials[0].specular = 0.2F;
   scene.materials[1].alpha_mode = AlphaMode::Mask;
   scene.materials[2].base_color_texture = TextureRef{};
   scene.lights.resize(5);
