@@ -38,12 +38,21 @@ struct TextureRef {
 
 enum class AlphaMode { Opaque, Mask, Blend };
 
+/// How a procedural material changes over a surface; a function of the place in the world.
+enum class PatternKind { Checker, Bricks, Stripes, Noise };
+struct Pattern {
+  PatternKind kind = PatternKind::Checker;
+  Rgb second_color{0.0F};  ///< linear reflectance, [0, 1], where it replaces base_color
+  float size_m = 1.0F;     ///< > 0: edge of a square, height of a brick or band, of noise a feature
+};
+
 /// glTF metallic-roughness. Factors multiply their textures.
 struct Material {
   std::string name;
   Rgb base_color{1.0F};  ///< linear reflectance, [0, 1]
   float alpha = 1.0F;
   std::optional<TextureRef> base_color_texture;          ///< alpha in its fourth channel
+  std::optional<Pattern> pattern;                        ///< surfaces without uv have it instead
   float metallic = 0.0F;                                 ///< [0, 1]
   float roughness = 1.0F;                                ///< perceptual, alpha = roughness^2
   std::optional<TextureRef> metallic_roughness_texture;  ///< G roughness, B metallic, linear

@@ -62,17 +62,30 @@ Vec4 MaterialTable::read(const std::optional<Lookup>& lookup, const Vec2& uv,
 Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_uv,
                          MaterialModel model) const {
   const Entry& entry = materials_[material];
-  const scene::Material& m = entry.material;
   const Rgb base = base_color(material, uv, footprint_uv);
   if (model == MaterialModel::Lambert) return Bsdf{base};
-  if (options_.specular_lobe == scene::StepUse::LeftOut) return Bsdf{(1.0F - m.metallic) * base};
+  const float metallic = entry.material.metallic, roughness = entry.material.roughness;
+  if (options_.specular_lobe == scene::StepUse::LeftOut) return Bsdf{(1.0F - metallic) * base};
   const Vec4 texture = read(entry.metallic_roughness, uv, footprint_uv);
-  const float metallic = m.metallic * texture.z, roughness = m.roughness * texture.y;
-  const Rgb dielectric = m.specular * glm::min(kDielectricF0 * m.specular_color, Rgb{1.0F});
+  return make_bsdf(entry.material, base, metallic * texture.z, roughness * texture.y);
+}
+
+Bsdf MaterialTable::bsdf(scene::Index material, const PatternPoint& at, MaterialModel model) const {
+  const scene::Material& m = materials_[material].material;
+  const Rgb base = base_color(material, at);
+  if (model == MaterialModel::Lambert) return Bsdf{base};
+  if (options_.specular_lobe == scene::StepUse::LeftOut) return Bsdf{(1.0F - m.metallic) * base};
+  return make_bsdf(m, base, m.metallic, m.roughness);
+}
+
+Bsdf MaterialTable::make_bsdf(const scene::Material& material, const Rgb& base, float metallic,
+                              float roughness) const {
+  const Rgb dielectric =
+      material.specular * glm::min(kDielectricF0 * material.specular_color, Rgb{1.0F});
   Bsdf bsdf;
   bsdf.albedo = (1.0F - metallic) * base;
   bsdf.f0 = (1.0F - metallic) * dielectric + metallic * base;
-  bsdf.f90 = (1.0F - metallic) * m.specular + metallic;
+  bsdf.f90 = (1.0F - metallic) * material.specular + metallic;
   bsdf.alpha = std::clamp(roughness * roughness, kLeastAlpha, 1.0F);
   if (options_.specular_lobe == scene::StepUse::Forced) bsdf.f90 = std::max(bsdf.f90, kFaintest);
   return bsdf;
@@ -81,6 +94,12 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_
 Rgb MaterialTable::base_color(scene::Index material, const Vec2& uv, float footprint_uv) const {
   const Entry& entry = materials_[material];
   return entry.material.base_color * Rgb(read(entry.base_color, uv, footprint_uv));
+}
+
+Rgb MaterialTable::base_color(scene::Index material, const PatternPoint& at) const {
+  const scene::Material& m = materials_[material].material;
+  if (!m.pattern) return m.base_color;
+  return glm::mix(m.base_color, m.pattern->second_color, second_share(*m.pattern, at));
 }
 
 Rgb MaterialTable::emission(scene::Index material, const Vec2& uv, float footprint_uv) const {

@@ -8,6 +8,7 @@
 #include "server/scene/plan.h"
 #include "server/scene/scene.h"
 #include "server/shading/bsdf.h"
+#include "server/shading/pattern.h"
 #include "server/shading/texture.h"
 
 namespace macula::shading {
@@ -32,6 +33,9 @@ class MaterialTable {
   Bsdf bsdf(scene::Index material, const Vec2& uv, float footprint_uv, MaterialModel model) const;
   /// Base colour times texture: what the albedo plane shows.
   Rgb base_color(scene::Index material, const Vec2& uv, float footprint_uv) const;
+  /// The same for a surface without texture coordinates, whose pattern is a function of its place.
+  Bsdf bsdf(scene::Index material, const PatternPoint& at, MaterialModel model) const;
+  Rgb base_color(scene::Index material, const PatternPoint& at) const;
   /// Radiance leaving the front face, W/(sr m^2).
   Rgb emission(scene::Index material, const Vec2& uv, float footprint_uv) const;
   /// The same averaged over the whole texture.
@@ -51,6 +55,9 @@ class MaterialTable {
     std::optional<Lookup> base_color, metallic_roughness, emission;
     Rgb mean_emission{0.0F};
   };
+  /// Once textures or pattern have been read.
+  Bsdf make_bsdf(const scene::Material& material, const Rgb& base, float metallic,
+                 float roughness) const;
   Vec4 read(const std::optional<Lookup>& lookup, const Vec2& uv, float footprint_uv) const;
 
   MaterialOptions options_;

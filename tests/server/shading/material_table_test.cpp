@@ -93,5 +93,20 @@ TEST(SurfaceTable, MirroringKeepsTheFrontInFront) {
   EXPECT_EQ(SurfaceTable(sideways).at(0, 0, Vec2{0.2F}).geometric_normal, Vec3(0.0F, 0.0F, 1.0F));
 }
 
+TEST(MaterialTable, APatternPutsItsSecondColourWhereItSays) {
+  scene::Scene scene;
+  scene.materials.resize(1);
+  scene.materials[0].base_color = Rgb{0.8F};
+  scene.materials[0].specular = 0.0F;
+  scene.materials[0].pattern = scene::Pattern{scene::PatternKind::Checker, Rgb{0.1F}, 1.0F};
+  const MaterialTable table(scene);
+  const Vec3 up{0.0F, 1.0F, 0.0F};
+  EXPECT_EQ(table.base_color(0, PatternPoint{{0.5F, 0.0F, 0.5F}, up, 0.0F}), Rgb{0.8F});
+  EXPECT_EQ(table.base_color(0, PatternPoint{{1.5F, 0.0F, 0.5F}, up, 0.0F}), Rgb{0.1F});
+  const Bsdf bsdf = table.bsdf(0, {{1.5F, 0.0F, 0.5F}, up, 0.0F}, MaterialModel::AsInScene);
+  EXPECT_EQ(bsdf.albedo, Rgb{0.1F});
+  EXPECT_FALSE(bsdf.glossy());
+}
+
 }  // namespace
 }  // namespace macula::shading
