@@ -33,10 +33,11 @@ lights::Options light_options(const ScenePlan& plan) {
 Result<std::shared_ptr<const SceneFrame>> SceneFrame::create(
     std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan, SceneTime time) {
   MACULA_CHECK(scene != nullptr);
-  auto triangles = visibility::TriangleScene::create(*scene, visibility_options(plan));
+  scene::ScenePose pose = scene::pose_at(*scene, time);
+  auto triangles = visibility::TriangleScene::create(*scene, pose, visibility_options(plan));
   if (!triangles) return base::forward(triangles);
   return std::shared_ptr<const SceneFrame>(
-      new SceneFrame(std::move(scene), plan, std::move(*triangles), time));
+      new SceneFrame(std::move(scene), plan, std::move(pose), std::move(*triangles)));
 }
 
 Result<std::shared_ptr<const SceneFrame>> SceneFrame::create(
@@ -47,13 +48,14 @@ Result<std::shared_ptr<const SceneFrame>> SceneFrame::create(
 }
 
 SceneFrame::SceneFrame(std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan,
-                       std::shared_ptr<const visibility::TriangleScene> triangles, SceneTime time)
+                       scene::ScenePose pose,
+                       std::shared_ptr<const visibility::TriangleScene> triangles)
     : scene_(std::move(scene)),
       plan_(plan),
+      pose_(std::move(pose)),
       triangles_(std::move(triangles)),
-      surfaces_(*scene_),
+      surfaces_(*scene_, pose_),
       materials_(*scene_, material_options(plan_)),
-      lights_(*scene_, materials_, light_options(plan_)),
-      time_(time) {}
+      lights_(*scene_, pose_, materials_, light_options(plan_)) {}
 
 }  // namespace macula::kernels

@@ -5,20 +5,16 @@
 #include <memory>
 
 #include "server/lights/light_list.h"
+#include "server/scene/animation.h"
 #include "server/scene/plan.h"
-#include "server/scene/scene.h"
 #include "server/shading/material_table.h"
 #include "server/shading/surface.h"
 #include "server/visibility/visibility.h"
 #include "shared/base/result.h"
-#include "shared/units/time.h"
 
 namespace macula::kernels {
 
-/// A moment on the scene's own clock, one for all sessions; 0 is the scene as its file has it.
-struct SceneTime {
-  Nanoseconds since_start{0};
-};
+using scene::SceneTime;
 
 class SceneFrame {
  public:
@@ -37,19 +33,21 @@ class SceneFrame {
   const shading::SurfaceTable& surfaces() const { return surfaces_; }
   const shading::MaterialTable& materials() const { return materials_; }
   const lights::LightList& lights() const { return lights_; }
-  SceneTime time() const { return time_; }
+  /// Where everything is at this moment; the scene's own tables know it before it moves.
+  const scene::ScenePose& pose() const { return pose_; }
+  SceneTime time() const { return pose_.time; }
 
  private:
   SceneFrame(std::shared_ptr<const scene::Scene> scene, const scene::ScenePlan& plan,
-             std::shared_ptr<const visibility::TriangleScene> triangles, SceneTime time);
+             scene::ScenePose pose, std::shared_ptr<const visibility::TriangleScene> triangles);
 
   std::shared_ptr<const scene::Scene> scene_;
   scene::ScenePlan plan_;
+  scene::ScenePose pose_;
   std::shared_ptr<const visibility::TriangleScene> triangles_;
   shading::SurfaceTable surfaces_;
   shading::MaterialTable materials_;
   lights::LightList lights_;
-  SceneTime time_;
 };
 
 }  // namespace macula::kernels

@@ -114,28 +114,34 @@ std::optional<Arrival> arriving(const scene::Light& light, const DVec3& point) {
 }
 
 LightList::LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
-                     const Options& options) {
-  if (options.punctual != scene::StepUse::LeftOut) punctual_ = scene.lights;
+                     const Options& options)
+    : LightList(scene, scene::pose_at(scene, {}), materials, options) {}
+
+LightList::LightList(const scene::Scene& scene, const scene::ScenePose& pose,
+                     const shading::MaterialTable& materials, const Options& options) {
+  if (options.punctual != scene::StepUse::LeftOut) punctual_ = pose.lights;
   for (scene::Index i = 0; i < scene.instances.size(); ++i) {
     const bool emits = materials.emits(scene.meshes[scene.instances[i].mesh].material);
-    if (is_wanted(options.area_lights, emits)) add_instance(scene, i, materials);
+    if (is_wanted(options.area_lights, emits)) add_instance(scene, pose, i, materials);
   }
   cumulative_ = cumulative_shares(emissive_, options.selection);
   table_ = make_table(emissive_, cumulative_, materials);
 }
 
-void LightList::add_instance(const scene::Scene& scene, scene::Index instance,
-                             const shading::MaterialTable& materials) {
-  const scene::Instance& placed = scene.instances[instance];
-  const scene::Mesh& mesh = scene.meshes[placed.mesh];
-  const DMat3 linear(placed.world_from_object);
+void LightList::add_instance(const scene::Scene& scene, const scene::ScenePose& pose,
+                             scene::Index instance, const shading::MaterialTable& materials) {
+  const scene::Index mesh_index = scene.instances[instance].mesh;
+  const scene::Mesh& mesh = scene.meshes[mesh_index];
+  const std::span<const Vec3> positions = pose.positions(scene, mesh_index);
+  const DMat4& world_from_object = pose.world_from_object[instance];
+  const DMat3 linear(world_from_object);
   // Under a mirroring transform the vertices run the other way round the same front side.
   const double facing = glm::determinant(linear) < 0.0 ? -1.0 : 1.0;
   for (scene::Index t = 0; t < mesh.triangles.size(); ++t) {
     const UVec3 corner = mesh.triangles[t];
-    const DVec3 p0(mesh.positions[corner.x]);
-    const DVec3 e1 = linear * (DVec3(mesh.positions[corner.y]) - p0);
-    const DVec3 e2 = linear * (DVec3(mesh.positions[corner.z]) - p0);
+    const DVec3 p0(positions[corner.x]);
+    const DVec3 e1 = linear * (DVec3(positions[corner.y]) - p0);
+    const DVec3 e2 = linear * (DVec3(positions[corner.z]) - p0);
     const DVec3 normal = facing * glm::cross(e1, e2);
     const double twice_area = glm::length(normal);
     const float area = static_cast<float>(0.5 * twice_area);
@@ -143,7 +149,7 @@ void LightList::add_instance(const scene::Scene& scene, scene::Index instance,
       ++degenerate_;
       continue;
     }
-    emissive_.push_back({linear * p0 + DVec3(placed.world_from_object[3]), Vec3(e1), Vec3(e2),
+    emissive_.push_back({linear * p0 + DVec3(world_from_object[3]), Vec3(e1), Vec3(e2),
                          Vec3(normal / twice_area), area, materials.mean_emission(mesh.material),
                          instance, t, mesh.material});
   }

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "server/sampling/batch.h"
+#include "server/scene/animation.h"
 #include "server/scene/plan.h"
-#include "server/scene/scene.h"
 #include "server/shading/material_table.h"
 #include "server/shading/surface.h"
 
@@ -84,6 +84,9 @@ struct EmitterTable {
 
 class LightList {
  public:
+  LightList(const scene::Scene& scene, const scene::ScenePose& pose,
+            const shading::MaterialTable& materials, const Options& options = {});
+  /// At time 0.
   LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
             const Options& options = {});
 
@@ -107,7 +110,7 @@ class LightList {
                const shading::MaterialTable& materials) const;
 
  private:
-  void add_instance(const scene::Scene& scene, scene::Index instance,
+  void add_instance(const scene::Scene& scene, const scene::ScenePose& pose, scene::Index instance,
                     const shading::MaterialTable& materials);
 
   std::vector<scene::Light> punctual_;

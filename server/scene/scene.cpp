@@ -4,6 +4,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "server/scene/animation.h"
+
 namespace macula::scene {
 
 void Bounds::include(const DVec3& point) {
@@ -34,11 +36,12 @@ std::size_t Scene::unique_triangle_count() const {
   return count;
 }
 
-Bounds Scene::bounds() const {
+Bounds Scene::bounds(SceneTime time) const {
   Bounds bounds;
-  for (const Instance& instance : instances) {
-    for (const Vec3& position : meshes[instance.mesh].positions) {
-      bounds.include(DVec3(instance.world_from_object * DVec4(DVec3(position), 1.0)));
+  const ScenePose pose = pose_at(*this, time);
+  for (std::size_t i = 0; i < instances.size(); ++i) {
+    for (const Vec3& position : pose.positions(*this, instances[i].mesh)) {
+      bounds.include(DVec3(pose.world_from_object[i] * DVec4(DVec3(position), 1.0)));
     }
   }
   return bounds;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/scene/motion.h"
 #include "shared/image/color.h"
 #include "shared/image/plane.h"
 #include "shared/image/png.h"
@@ -17,8 +18,6 @@
 #include "shared/math/pose.h"
 
 namespace macula::scene {
-
-using Index = std::uint32_t;
 
 enum class ColorSpace { Linear, Srgb };
 struct Image {
@@ -75,26 +74,33 @@ struct Mesh {
   std::vector<Vec2> texcoords;   ///< as many as positions, or empty
   std::vector<UVec3> triangles;  ///< indices into positions, counter-clockwise seen from the front
   Index material = 0;
+  Deformation deformation;  ///< the vertices over time; `positions` and `normals` are those at rest
 };
 
+/// The parent of an instance, a light or a camera is the joint it hangs from, or the world where it
+/// has none. Where things are at a moment: pose_at (animation.h).
 struct Instance {
   Index mesh = 0;
-  DMat4 world_from_object{1.0};  ///< affine, invertible, never mirrors: fronts stay fronts
+  DMat4 parent_from_object{1.0};  ///< affine, invertible, never mirrors: fronts stay fronts
+  std::optional<Index> joint = std::nullopt;
 };
 
 enum class LightKind { Point, Spot, Directional };
 struct Light {
   LightKind kind = LightKind::Point;
   Rgb intensity{1.0F};                ///< W/sr for Point and Spot; irradiance W/m^2 for Directional
-  DVec3 position{0.0};                ///< world meters; unused for Directional
-  Vec3 direction{0.0F, -1.0F, 0.0F};  ///< unit, the way the light travels; unused for Point
+  DVec3 position{0.0};                ///< in the parent, meters; unused for Directional
+  Vec3 direction{0.0F, -1.0F, 0.0F};  ///< unit, the way light travels, in the parent
   Radians inner_cone{0.0}, outer_cone{Degrees{45.0}};  ///< Spot half-angles, glTF falloff
+  std::optional<Index> joint =
+      std::nullopt;  ///< carries position and direction; its scale changes no intensity
 };
 
 struct Camera {
   std::string name;
-  Pose world_from_view;
+  Pose parent_from_view;
   Radians vertical_fov{Degrees{60.0}};
+  std::optional<Index> joint = std::nullopt;
 };
 
 /// What the side file says, or what was guessed (`guesses` has a sentence for each guess).
@@ -124,6 +130,7 @@ struct Scene {
   std::vector<Image> images;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
+  std::vector<Joint> joints;  ///< parents before children
   std::vector<Instance> instances;
   std::vector<Light> lights;
   std::vector<Camera> cameras;
@@ -133,7 +140,7 @@ struct Scene {
   std::size_t triangle_count() const;           ///< over instances
   std::size_t emissive_triangle_count() const;  ///< over instances
   std::size_t unique_triangle_count() const;    ///< over meshes: what lies in memory
-  Bounds bounds() const;                        ///< over instances' vertices
+  Bounds bounds(SceneTime time = {}) const;     ///< over instances' vertices at that moment
 };
 
 /// Counts of a scene in one line: triangles, emissive triangles, lights, materials, textures, size.

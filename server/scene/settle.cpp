@@ -7,6 +7,8 @@
 #include <numbers>
 #include <sstream>
 
+#include "server/scene/animation.h"
+
 namespace macula::scene {
 namespace {
 
@@ -21,29 +23,38 @@ void note_guess(Scene& scene, const Parts&... parts) {
 }
 
 /// Lights keep the irradiance they gave in the file's units: intensity goes with length squared.
+/// What hangs from a joint is scaled through the joint at the root.
 void scale_to_meters(Scene& scene, double meters_per_unit) {
   scene.settings.meters_per_unit = meters_per_unit;
   const DMat4 scale = glm::scale(DMat4{1.0}, DVec3{meters_per_unit});
-  for (Instance& instance : scene.instances)
-    instance.world_from_object = scale * instance.world_from_object;
-  for (Camera& camera : scene.cameras) camera.world_from_view.position *= meters_per_unit;
+  for (Joint& joint : scene.joints) {
+    if (!joint.parent) joint.parent_from_base = scale * joint.parent_from_base;
+  }
+  for (Instance& instance : scene.instances) {
+    if (!instance.joint) instance.parent_from_object = scale * instance.parent_from_object;
+  }
+  for (Camera& camera : scene.cameras) {
+    if (!camera.joint) camera.parent_from_view.position *= meters_per_unit;
+  }
   for (Light& light : scene.lights) {
-    light.position *= meters_per_unit;
+    if (!light.joint) light.position *= meters_per_unit;
     if (light.kind != LightKind::Directional) {
       light.intensity *= static_cast<float>(meters_per_unit * meters_per_unit);
     }
   }
 }
 
-/// Calls visit(instance, a, b, c) with every triangle's world corners.
+/// Calls visit(mesh, a, b, c) with every triangle's world corners at time 0.
 template <class Visit>
 void for_each_triangle(const Scene& scene, const Visit& visit) {
-  for (const Instance& instance : scene.instances) {
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    std::vector<DVec3> corners(mesh.positions.size());
-    std::transform(
-        mesh.positions.begin(), mesh.positions.end(), corners.begin(),
-        [&](const Vec3& p) { return DVec3(instance.world_from_object * DVec4(DVec3(p), 1.0)); });
+  const ScenePose pose = pose_at(scene, {});
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    const std::span<const Vec3> positions = pose.positions(scene, scene.instances[i].mesh);
+    const DMat4& world_from_object = pose.world_from_object[i];
+    std::vector<DVec3> corners(positions.size());
+    std::transform(positions.begin(), positions.end(), corners.begin(),
+                   [&](const Vec3& p) { return DVec3(world_from_object * DVec4(DVec3(p), 1.0)); });
     for (const UVec3& t : mesh.triangles) visit(mesh, corners[t.x], corners[t.y], corners[t.z]);
   }
 }
@@ -78,8 +89,9 @@ Pose upright(const DVec3& position, double yaw_rad) {
 
 void guess_stage_from_camera(Scene& scene) {
   const Camera& camera = scene.cameras.front();
-  const DVec3 forward = camera.world_from_view.transform_direction({0.0, 0.0, -1.0});
-  const DVec3& eye = camera.world_from_view.position;
+  const Pose world_from_view = pose_at(scene, {}).world_from_view.front();
+  const DVec3 forward = world_from_view.transform_direction({0.0, 0.0, -1.0});
+  const DVec3& eye = world_from_view.position;
   scene.settings.scene_from_stage =
       upright({eye.x, eye.y - kEyeHeight, eye.z}, std::atan2(-forward.x, -forward.z));
   note_guess(scene, "the viewer's eyes are at the camera '", camera.name, "'");

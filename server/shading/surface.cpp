@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "shared/base/check.h"
+
 namespace macula::shading {
 namespace {
 
@@ -28,17 +30,24 @@ std::vector<float> uv_densities(const scene::Mesh& mesh) {
 
 }  // namespace
 
-SurfaceTable::SurfaceTable(const scene::Scene& scene) {
+SurfaceTable::SurfaceTable(const scene::Scene& scene)
+    : SurfaceTable(scene, scene::pose_at(scene, {})) {
+  MACULA_CHECK(scene::moving_parts(scene).meshes.empty(), "shapes lie in a pose, which must last");
+}
+
+SurfaceTable::SurfaceTable(const scene::Scene& scene, const scene::ScenePose& pose) {
   uv_per_unit_.reserve(scene.meshes.size());
   for (const scene::Mesh& mesh : scene.meshes) uv_per_unit_.push_back(uv_densities(mesh));
   instances_.reserve(scene.instances.size());
-  for (const scene::Instance& instance : scene.instances) {
-    const scene::Mesh& mesh = scene.meshes[instance.mesh];
-    const DMat3 linear(instance.world_from_object);
-    instances_.push_back({&mesh, &uv_per_unit_[instance.mesh], linear,
-                          DVec3(instance.world_from_object[3]), Mat3(glm::inverseTranspose(linear)),
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const scene::Index mesh = scene.instances[i].mesh;
+    const DMat4& world_from_object = pose.world_from_object[i];
+    const DMat3 linear(world_from_object);
+    instances_.push_back({&scene.meshes[mesh], pose.positions(scene, mesh),
+                          pose.normals(scene, mesh), &uv_per_unit_[mesh], linear,
+                          DVec3(world_from_object[3]), Mat3(glm::inverseTranspose(linear)),
                           static_cast<float>(std::cbrt(std::abs(glm::determinant(linear)))),
-                          mesh.material});
+                          scene.meshes[mesh].material});
   }
 }
 
@@ -48,16 +57,17 @@ Surface SurfaceTable::at(scene::Index instance, scene::Index triangle,
   const scene::Mesh& mesh = *placed.mesh;
   const UVec3 t = mesh.triangles[triangle];
   const float u = barycentric.x, v = barycentric.y, w = 1.0F - u - v;
-  const Vec3 p0 = mesh.positions[t.x];
-  const Vec3 e1 = mesh.positions[t.y] - p0, e2 = mesh.positions[t.z] - p0;
+  const Vec3 p0 = placed.positions[t.x];
+  const Vec3 e1 = placed.positions[t.y] - p0, e2 = placed.positions[t.z] - p0;
   Surface surface;
   const DVec3 local =
       DVec3(p0) + static_cast<double>(u) * DVec3(e1) + static_cast<double>(v) * DVec3(e2);
   surface.position = placed.world_from_object * local + placed.translation;
   surface.geometric_normal = unit_or_zero(placed.normal_from_object * glm::cross(e1, e2));
   surface.shading_normal = surface.geometric_normal;
-  if (!mesh.normals.empty()) {
-    const Vec3 blended = w * mesh.normals[t.x] + u * mesh.normals[t.y] + v * mesh.normals[t.z];
+  if (!placed.normals.empty()) {
+    const std::span<const Vec3> normals = placed.normals;
+    const Vec3 blended = w * normals[t.x] + u * normals[t.y] + v * normals[t.z];
     const Vec3 normal = unit_or_zero(placed.normal_from_object * blended);
     if (normal != Vec3{0.0F}) surface.shading_normal = normal;
   }

@@ -1,11 +1,12 @@
 // SurfaceTable: where and how a surface lies at a point named by instance, triangle and barycentric
-// coordinates. World space, meters. Immutable; safe from any thread; refers to the scene, which
-// must outlive it.
+// coordinates. World space, meters. Immutable; safe from any thread; refers to the scene and its
+// pose, which must outlive it.
 #pragma once
 
+#include <span>
 #include <vector>
 
-#include "server/scene/scene.h"
+#include "server/scene/animation.h"
 
 namespace macula::shading {
 
@@ -19,6 +20,8 @@ struct Surface {
 
 class SurfaceTable {
  public:
+  SurfaceTable(const scene::Scene& scene, const scene::ScenePose& pose);
+  /// At time 0; for scenes whose meshes keep their shape.
   explicit SurfaceTable(const scene::Scene& scene);
 
   /// The point (1 - u - v) p0 + u p1 + v p2.
@@ -32,6 +35,7 @@ class SurfaceTable {
  private:
   struct Placed {
     const scene::Mesh* mesh;
+    std::span<const Vec3> positions, normals;  ///< the mesh's, as the pose has them
     const std::vector<float>* uv_per_unit;
     DMat3 world_from_object;
     DVec3 translation;

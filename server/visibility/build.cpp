@@ -70,8 +70,10 @@ void alpha_filter(const RTCFilterFunctionNArguments* call) {
 
 class Builder {
  public:
-  Builder(const scene::Scene& scene, const Options& options, SceneState& state)
+  Builder(const scene::Scene& scene, const scene::ScenePose& pose, const Options& options,
+          SceneState& state)
       : scene_(scene),
+        pose_(pose),
         options_(options),
         state_(state),
         all_flat_(scene.triangle_count() <= options.flat_triangles),
@@ -86,10 +88,11 @@ class Builder {
   RTCScene child_of(scene::Index mesh);
   AlphaUse alpha_of(const scene::Mesh& mesh) const;
   const AlphaTest& alpha_test(scene::Index mesh);
-  bool goes_flat(const scene::Instance& instance) const;
+  bool goes_flat(scene::Index instance) const;
   void add(scene::Index index);
 
   const scene::Scene& scene_;
+  const scene::ScenePose& pose_;
   const Options& options_;
   SceneState& state_;
   const bool all_flat_;
@@ -122,12 +125,11 @@ const AlphaTest& Builder::alpha_test(scene::Index mesh) {
   return *known;
 }
 
-void copy_vertices(RTCGeometry geometry, const scene::Mesh& mesh, const DMat4& transform) {
-  auto* out = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                          RTC_FORMAT_FLOAT3, 3 * sizeof(float),
-                                                          mesh.positions.size()));
+void copy_vertices(RTCGeometry geometry, std::span<const Vec3> positions, const DMat4& transform) {
+  auto* out = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), positions.size()));
   if (out == nullptr) return;  // out of memory: reported by the device
-  for (const Vec3& position : mesh.positions) {
+  for (const Vec3& position : positions) {
     const DVec4 moved = transform * DVec4(position, 1.0);
     for (int axis = 0; axis < 3; ++axis) *out++ = static_cast<float>(moved[axis]);
   }
@@ -145,7 +147,7 @@ RTCGeometry Builder::new_triangles(scene::Index mesh_index, const DMat4& transfo
   const scene::Mesh& mesh = scene_.meshes[mesh_index];
   const RTCGeometry geometry = rtcNewGeometry(state_.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryBuildQuality(geometry, build_quality(options_.quality));
-  copy_vertices(geometry, mesh, transform);
+  copy_vertices(geometry, pose_.positions(scene_, mesh_index), transform);
   copy_triangles(geometry, mesh);
   if (alpha_of(mesh) == AlphaUse::PerTexel) {
     rtcSetGeometryUserData(geometry, const_cast<AlphaTest*>(&alpha_test(mesh_index)));
@@ -179,10 +181,10 @@ RTCGeometry Builder::new_instance_of(RTCScene child, const DMat4& transform) con
   return geometry;
 }
 
-bool Builder::goes_flat(const scene::Instance& instance) const {
-  return all_flat_ || uses_[instance.mesh] < 2 ||
-         scene_.meshes[instance.mesh].triangles.size() < kFewTriangles ||
-         !is_invertible(DMat3(instance.world_from_object));
+bool Builder::goes_flat(scene::Index instance) const {
+  const scene::Index mesh = scene_.instances[instance].mesh;
+  return all_flat_ || uses_[mesh] < 2 || scene_.meshes[mesh].triangles.size() < kFewTriangles ||
+         !is_invertible(DMat3(pose_.world_from_object[instance]));
 }
 
 /// Ids in the top level are indices of the scene's instances, whichever way a mesh went in.
@@ -190,8 +192,8 @@ void Builder::add(scene::Index index) {
   const scene::Instance& instance = scene_.instances[index];
   const scene::Mesh& mesh = scene_.meshes[instance.mesh];
   if (mesh.triangles.empty() || alpha_of(mesh) == AlphaUse::NeverThere) return;
-  const DMat4& transform = instance.world_from_object;
-  const bool flat = goes_flat(instance);
+  const DMat4& transform = pose_.world_from_object[index];
+  const bool flat = goes_flat(index);
   const RTCGeometry geometry = flat ? new_triangles(instance.mesh, transform)
                                     : new_instance_of(child_of(instance.mesh), transform);
   state_.world_normal_from_embree[index] =
@@ -228,9 +230,9 @@ int packet_width(RTCDevice device, PacketWidth wanted) {
   return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0 ? 16 : 8;
 }
 
-Result<void> check_transforms(const scene::Scene& scene) {
+Result<void> check_transforms(const scene::Scene& scene, const scene::ScenePose& pose) {
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    if (!is_finite(scene.instances[i].world_from_object)) {
+    if (!is_finite(pose.world_from_object[i])) {
       return base::bad_input("the transform is not finite",
                              scene.name + ", instance " + std::to_string(i),
                              "every entry of world_from_object must be a finite number");
@@ -243,7 +245,13 @@ Result<void> check_transforms(const scene::Scene& scene) {
 
 Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::Scene& scene,
                                                                    const Options& options) {
-  if (const auto checked = check_transforms(scene); !checked) return base::forward(checked);
+  return create(scene, scene::pose_at(scene, {}), options);
+}
+
+Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::Scene& scene,
+                                                                   const scene::ScenePose& pose,
+                                                                   const Options& options) {
+  if (const auto checked = check_transforms(scene, pose); !checked) return base::forward(checked);
   auto state = std::make_unique<SceneState>();
   const bool wanted = options.bvh == scene::StepUse::Forced ||
                       (options.bvh == scene::StepUse::Used && !scene.instances.empty());
@@ -258,7 +266,7 @@ Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::
   state->packet_width = visibility::packet_width(state->device, options.packets);
   state->scatters =
       options.packets == PacketWidth::Device && scene.triangle_count() >= kLeastForStreams;
-  Builder(scene, options, *state).build();
+  Builder(scene, pose, options, *state).build();
   if (!state->device_error.empty()) {
     return base::runtime_error("Embree cannot build the scene: " + state->device_error, scene.name,
                                "free memory or use a scene with fewer triangles");

@@ -10,8 +10,8 @@
 #include <memory>
 #include <optional>
 
+#include "server/scene/animation.h"
 #include "server/scene/plan.h"
-#include "server/scene/scene.h"
 #include "server/visibility/ray_offset.h"
 #include "server/visibility/ray_stream.h"
 #include "shared/base/result.h"
@@ -60,6 +60,10 @@ class TriangleScene {
  public:
   /// Builds on all cores. A scene without triangles is legal: every ray misses. Errors: the device
   /// cannot be made, memory runs out, an instance's transform is not invertible.
+  static Result<std::shared_ptr<const TriangleScene>> create(const scene::Scene& scene,
+                                                             const scene::ScenePose& pose,
+                                                             const Options& options = {});
+  /// At time 0.
   static Result<std::shared_ptr<const TriangleScene>> create(const scene::Scene& scene,
                                                              const Options& options = {});
   ~TriangleScene();

@@ -124,6 +124,9 @@ void add_still_picture(CLI::App& command, StillOptions& options, StillWords& wor
   command.add_option("--camera", words.camera, "In the scene file's own units (its first camera)")
       ->option_text("NAME|\"ex,ey,ez;tx,ty,tz;ux,uy,uz;vfov_deg\"");
   command.add_option("--size", words.size, "Pixels (512x512)")->option_text("WxH");
+  command.add_option("--time", options.time_s, "Seconds on the clock of a scene that moves")
+      ->check(CLI::Range(-1e6, 1e6))
+      ->option_text("SECONDS (0)");
   command
       .add_option("--gaze", words.gaze, "Degrees to the right and upwards of the view axis (0,0)")
       ->option_text("YAW,PITCH");

@@ -77,6 +77,7 @@ Report make_report(const StillOptions& options, const StillJob& job, const Rende
                  {"ambient_samples", std::int64_t{options.light_samples}},
                  {"bounces", std::int64_t{options.bounces}},
                  {"rate_model", options.rate_model},
+                 {"time_s", options.time_s},
                  {"seed", static_cast<std::int64_t>(options.seed)}},
                 {{{"cells", cells},
                   {"cells_per_px", static_cast<double>(cells) / pixels},

@@ -45,6 +45,7 @@ struct StillOptions {
   int height_px = 512;
   StillGaze gaze;
   StillMaterial material = StillMaterial::AsInScene;
+  double time_s = 0.0;             ///< --time: on the scene's clock
   int bounces = 0;                 ///< 0 or 1
   std::vector<StillPlane> planes;  ///< --aov; layers of the EXR, and a PNG each
   StillGrid grid = StillGrid::Uniform;

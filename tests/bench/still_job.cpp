@@ -52,10 +52,16 @@ Result<Shot> explicit_shot(const StillCamera& camera, double meters_per_unit) {
   return Shot{pose, camera.vertical_fov};
 }
 
-Result<Shot> named_shot(const scene::Scene& scene, const std::string& name) {
+Shot camera_shot(const scene::Scene& scene, std::size_t camera, const scene::ScenePose& pose) {
+  return {pose.world_from_view[camera], scene.cameras[camera].vertical_fov};
+}
+
+Result<Shot> named_shot(const scene::Scene& scene, const std::string& name,
+                        const scene::ScenePose& pose) {
   std::string names;
-  for (const scene::Camera& camera : scene.cameras) {
-    if (camera.name == name) return Shot{camera.world_from_view, camera.vertical_fov};
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    const scene::Camera& camera = scene.cameras[i];
+    if (camera.name == name) return camera_shot(scene, i, pose);
     names += (names.empty() ? "" : ", ") + camera.name;
   }
   return bad_input(base::concat("the scene has no camera '", name, "'"), "--camera",
@@ -63,12 +69,11 @@ Result<Shot> named_shot(const scene::Scene& scene, const std::string& name) {
                                  : "it has: " + names);
 }
 
-Result<Shot> choose_shot(const StillOptions& options, const scene::Scene& scene) {
+Result<Shot> choose_shot(const StillOptions& options, const scene::Scene& scene,
+                         const scene::ScenePose& pose) {
   if (options.camera) return explicit_shot(*options.camera, scene.settings.meters_per_unit);
-  if (!options.camera_name.empty()) return named_shot(scene, options.camera_name);
-  if (!scene.cameras.empty()) {
-    return Shot{scene.cameras.front().world_from_view, scene.cameras.front().vertical_fov};
-  }
+  if (!options.camera_name.empty()) return named_shot(scene, options.camera_name, pose);
+  if (!scene.cameras.empty()) return camera_shot(scene, 0, pose);
   const Pose stage_from_view{DVec3{0.0, kStandingEye_m, 0.0}, DQuat{1.0, 0.0, 0.0, 0.0}};
   return Shot{scene.settings.scene_from_stage * stage_from_view};
 }
@@ -132,10 +137,11 @@ Result<StillJob> prepare_still(const StillOptions& options) {
   Stopwatch watch;
   const auto loaded = scene::load_scene(options.scene);
   if (!loaded) return forward(loaded);
-  const auto shot = choose_shot(options, **loaded);
+  const scene::SceneTime time{units::from_s(options.time_s)};
+  const auto shot = choose_shot(options, **loaded, scene::pose_at(**loaded, time));
   if (!shot) return forward(shot);
   job.load_cpu_ms = watch.lap_ms();
-  auto frame = kernels::SceneFrame::create(*loaded);
+  auto frame = kernels::SceneFrame::create(*loaded, time);
   if (!frame) return forward(frame);
   job.build_cpu_ms = watch.lap_ms();
   job.scene = *frame;

@@ -58,7 +58,7 @@ TEST(DirectReference, CornellBoxAgreesWithinItsNoise) {
   const scene::Camera& camera = (*loaded)->cameras.front();
   kernels::View view = test::view_on(
       foveation::make_uniform_grid({math::symmetric_fov(camera.vertical_fov, 1.0), 256, 256}));
-  view.world_from_view = camera.world_from_view;
+  view.world_from_view = camera.parent_from_view;
   kernels::KernelOptions options;
   options.mode = kernels::Mode::Exact;
   options.samples_per_cell = 36;

@@ -102,7 +102,7 @@ TEST(LightList, TheBackOfATriangleIsDark) {
 TEST(LightList, AMirroredInstanceShinesFromTheMirroredFront) {
   Lit lit = triangles({{0, 1, 0}, {1, 1, 0}, {0, 1, 1}}, {{0, 1, 2}});
   ASSERT_LT(lit.list().emissive()[0].normal.y, 0.0F);
-  lit.scene.instances[0].world_from_object[0][0] = -1.0;
+  lit.scene.instances[0].parent_from_object[0][0] = -1.0;
   EXPECT_LT(lit.list().emissive()[0].normal.y, 0.0F);
 }
 

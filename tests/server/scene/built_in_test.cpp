@@ -47,7 +47,7 @@ TEST_P(EachBuiltIn, HasIndicesInRangeFiniteVerticesAndUnitNormals) {
   const Scene& scene = scene_of(GetParam());
   for (const Instance& instance : scene.instances) {
     ASSERT_LT(instance.mesh, scene.meshes.size());
-    ASSERT_GT(glm::determinant(DMat3(instance.world_from_object)), 0.0);
+    ASSERT_GT(glm::determinant(DMat3(instance.parent_from_object)), 0.0);
   }
   for (const Mesh& mesh : scene.meshes) {
     ASSERT_LT(mesh.material, scene.materials.size()) << mesh.name;
@@ -137,7 +137,7 @@ TEST(Posts, HasTenObjectsBetweenPointSevenAndFourMeters) {
   int near = 0;
   for (const Instance& instance : scene.instances) {
     const double distance =
-        glm::length(DVec2(instance.world_from_object[3].x, instance.world_from_object[3].z));
+        glm::length(DVec2(instance.parent_from_object[3].x, instance.parent_from_object[3].z));
     near += distance >= 0.7 && distance <= 4.0 ? 1 : 0;
   }
   EXPECT_GE(near, 10);

@@ -22,7 +22,7 @@ Result<std::shared_ptr<const Scene>> load_triangle(const TemporaryFolder& folder
 
 DVec3 moved(const Scene& scene, std::size_t instance, std::size_t vertex) {
   const Instance& placed = scene.instances[instance];
-  return DVec3(placed.world_from_object *
+  return DVec3(placed.parent_from_object *
                DVec4(DVec3(scene.meshes[placed.mesh].positions[vertex]), 1.0));
 }
 
@@ -72,7 +72,7 @@ TEST(GltfImport, MirroringNodesKeepFrontsInFrontAndInstancesUnmirrored) {
                                      R"("nodes":[{"mesh":0,"scale":[-1,1,1]}])"));
   ASSERT_TRUE(scene) << scene.error().message();
   const Instance& instance = (*scene)->instances[0];
-  EXPECT_GT(glm::determinant(DMat3(instance.world_from_object)), 0.0);
+  EXPECT_GT(glm::determinant(DMat3(instance.parent_from_object)), 0.0);
   const UVec3 t = (*scene)->meshes[instance.mesh].triangles[0];
   const DVec3 a = moved(**scene, 0, t.x), b = moved(**scene, 0, t.y), c = moved(**scene, 0, t.z);
   EXPECT_GT(cross(b - a, c - a).z, 0.0);
@@ -85,7 +85,7 @@ TEST(GltfImport, FlatteningNodesAreMovedThemselves) {
       load_triangle(folder, replaced(test::triangle_json(), R"("nodes":[{"mesh":0}])",
                                      R"("nodes":[{"mesh":0,"scale":[3,1,0]}])"));
   ASSERT_TRUE(scene) << scene.error().message();
-  EXPECT_EQ((*scene)->instances[0].world_from_object, DMat4{1.0});
+  EXPECT_EQ((*scene)->instances[0].parent_from_object, DMat4{1.0});
   EXPECT_NEAR((*scene)->bounds().maximum.x, 3.0, 1e-12);
 }
 
@@ -130,7 +130,7 @@ TEST(GltfImport, CamerasAndPunctualLightsArriveInMeters) {
   ASSERT_EQ((*scene)->cameras.size(), 1U);
   EXPECT_EQ((*scene)->cameras[0].name, "eye");
   EXPECT_NEAR((*scene)->cameras[0].vertical_fov.value(), 0.75, 1e-12);
-  EXPECT_NEAR(glm::length((*scene)->cameras[0].world_from_view.position - DVec3(0, 1, 4)), 0.0,
+  EXPECT_NEAR(glm::length((*scene)->cameras[0].parent_from_view.position - DVec3(0, 1, 4)), 0.0,
               1e-12);
   ASSERT_EQ((*scene)->lights.size(), 1U);
   EXPECT_EQ((*scene)->lights[0].intensity, Rgb(2.0F, 1.0F, 0.0F));

@@ -64,7 +64,7 @@ TEST(HandedCornellBox, KeepsItsMaterialsAndCamera) {
   EXPECT_NEAR(glm::length(named("LightBSDF_emitter7").emission - Rgb(17.0F, 12.0F, 4.0F)), 0.0F,
               1e-4F);
   ASSERT_EQ((*scene)->cameras.size(), 1U);
-  EXPECT_EQ((*scene)->cameras[0].world_from_view.position, DVec3(0.0, 1.0, 6.8));
+  EXPECT_EQ((*scene)->cameras[0].parent_from_view.position, DVec3(0.0, 1.0, 6.8));
   EXPECT_NEAR(Degrees((*scene)->cameras[0].vertical_fov).value(), 19.5, 1e-6);
 }
 

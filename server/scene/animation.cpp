@@ -1,0 +1,184 @@
+#include "server/scene/animation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/scene/keys.h"
+#include "shared/base/check.h"
+
+namespace macula::scene {
+namespace {
+
+DMat4 parent_from_joint(const Joint& joint, SceneTime time) {
+  const double seconds = seconds_into(time, joint.period);
+  const DVec3 translation =
+      joint.translations.empty() ? joint.translation : value_at(joint.translations, seconds);
+  const DQuat rotation =
+      joint.rotations.empty() ? joint.rotation : value_at(joint.rotations, seconds);
+  const DVec3 scale = joint.scales.empty() ? joint.scale : value_at(joint.scales, seconds);
+  const DMat3 turned = glm::mat3_cast(rotation);
+  DMat4 base_from_joint(DMat3(turned[0] * scale.x, turned[1] * scale.y, turned[2] * scale.z));
+  base_from_joint[3] = DVec4(translation, 1.0);
+  return joint.parent_from_base * base_from_joint;
+}
+
+/// Whether a track turns the joint or one it hangs from.
+std::vector<bool> joints_that_move(const Scene& scene) {
+  std::vector<bool> moves(scene.joints.size());
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const Joint& joint = scene.joints[i];
+    moves[i] = joint.has_tracks() || (joint.parent && moves[*joint.parent]);
+  }
+  return moves;
+}
+
+template <class Part, class Moves>
+std::vector<Index> indices_of(const std::vector<Part>& parts, const Moves& moves) {
+  std::vector<Index> result;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (moves(parts[i])) result.push_back(static_cast<Index>(i));
+  }
+  return result;
+}
+
+std::vector<Vec3> blend(const std::vector<std::vector<Vec3>>& keys, const KeySpan& span,
+                        std::vector<Vec3> reuse) {
+  const std::vector<Vec3>& from = keys[span.before];
+  const std::vector<Vec3>& to = keys[span.after];
+  const auto u = static_cast<float>(span.u);
+  reuse.resize(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) reuse[i] = from[i] + u * (to[i] - from[i]);
+  return reuse;
+}
+
+void reshape(const Deformation& deformation, SceneTime time, MeshShape& shape) {
+  const KeySpan span = locate(deformation.times_s, seconds_into(time, deformation.period));
+  shape.positions = blend(deformation.positions, span, std::move(shape.positions));
+  if (deformation.normals.empty()) return;
+  shape.normals = blend(deformation.normals, span, std::move(shape.normals));
+  for (Vec3& normal : shape.normals) {
+    const float length = glm::length(normal);
+    if (length > 0.0F) normal /= length;
+  }
+}
+
+DMat4 posed(const Instance& instance, const std::vector<DMat4>& world_from_joint) {
+  return instance.joint ? world_from_joint[*instance.joint] * instance.parent_from_object
+                        : instance.parent_from_object;
+}
+
+Light posed(const Light& light, const std::vector<DMat4>& world_from_joint) {
+  if (!light.joint) return light;
+  const DMat4& world = world_from_joint[*light.joint];
+  Light moved = light;
+  moved.joint.reset();
+  moved.position = DVec3(world * DVec4(light.position, 1.0));
+  const DVec3 direction = DMat3(world) * DVec3(light.direction);
+  const double length = glm::length(direction);
+  if (length > 0.0) moved.direction = Vec3(direction / length);
+  return moved;
+}
+
+Pose posed(const Camera& camera, const std::vector<DMat4>& world_from_joint) {
+  if (!camera.joint) return camera.parent_from_view;
+  const DMat4& world = world_from_joint[*camera.joint];
+  const DMat3 axes = DMat3(world) * glm::mat3_cast(camera.parent_from_view.rotation);
+  const DVec3 back = glm::normalize(axes[2]);
+  const DVec3 right = glm::normalize(glm::cross(axes[1], back));
+  const DVec3 position(world * DVec4(camera.parent_from_view.position, 1.0));
+  return {position, glm::normalize(glm::quat_cast(DMat3(right, glm::cross(back, right), back)))};
+}
+
+}  // namespace
+
+std::vector<DMat4> joint_transforms(const Scene& scene, SceneTime time) {
+  std::vector<DMat4> world_from_joint;
+  world_from_joint.reserve(scene.joints.size());
+  for (const Joint& joint : scene.joints) {
+    const DMat4 local = parent_from_joint(joint, time);
+    world_from_joint.push_back(joint.parent ? world_from_joint[*joint.parent] * local : local);
+  }
+  return world_from_joint;
+}
+
+MovingParts moving_parts(const Scene& scene) {
+  const std::vector<bool> moves = joints_that_move(scene);
+  const auto carried = [&](const auto& part) { return part.joint && moves[*part.joint]; };
+  const auto changes_shape = [](const Mesh& mesh) { return !mesh.deformation.empty(); };
+  MovingParts parts;
+  parts.instances = indices_of(scene.instances, [&](const Instance& instance) {
+    return carried(instance) || changes_shape(scene.meshes[instance.mesh]);
+  });
+  parts.lights = indices_of(scene.lights, carried);
+  parts.cameras = indices_of(scene.cameras, carried);
+  parts.meshes = indices_of(scene.meshes, changes_shape);
+  return parts;
+}
+
+std::span<const Vec3> ScenePose::positions(const Scene& scene, Index mesh) const {
+  return shapes[mesh].positions.empty() ? scene.meshes[mesh].positions : shapes[mesh].positions;
+}
+
+std::span<const Vec3> ScenePose::normals(const Scene& scene, Index mesh) const {
+  return shapes[mesh].normals.empty() ? scene.meshes[mesh].normals : shapes[mesh].normals;
+}
+
+ScenePose pose_at(const Scene& scene, SceneTime time) {
+  ScenePose pose;
+  pose.time = time;
+  const std::vector<DMat4> world_from_joint = joint_transforms(scene, time);
+  const auto place_all = [&](const auto& parts, auto& placed) {
+    placed.reserve(parts.size());
+    for (const auto& part : parts) placed.push_back(posed(part, world_from_joint));
+  };
+  place_all(scene.instances, pose.world_from_object);
+  place_all(scene.lights, pose.lights);
+  place_all(scene.cameras, pose.world_from_view);
+  pose.shapes.resize(scene.meshes.size());
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Deformation& deformation = scene.meshes[i].deformation;
+    if (!deformation.empty()) reshape(deformation, time, pose.shapes[i]);
+  }
+  return pose;
+}
+
+void repose(const Scene& scene, const MovingParts& moving, SceneTime time, ScenePose& pose) {
+  MACULA_DCHECK(pose.world_from_object.size() == scene.instances.size(), "a pose of this scene");
+  pose.time = time;
+  const std::vector<DMat4> world_from_joint = joint_transforms(scene, time);
+  for (const Index i : moving.instances)
+    pose.world_from_object[i] = posed(scene.instances[i], world_from_joint);
+  for (const Index i : moving.lights) pose.lights[i] = posed(scene.lights[i], world_from_joint);
+  for (const Index i : moving.cameras)
+    pose.world_from_view[i] = posed(scene.cameras[i], world_from_joint);
+  for (const Index i : moving.meshes) reshape(scene.meshes[i].deformation, time, pose.shapes[i]);
+}
+
+std::vector<InstanceMotion> motions_between(const ScenePose& before, const ScenePose& now) {
+  MACULA_CHECK(before.world_from_object.size() == now.world_from_object.size(),
+               "poses of one scene");
+  std::vector<InstanceMotion> motions;
+  for (std::size_t i = 0; i < now.world_from_object.size(); ++i) {
+    const DMat4& from = before.world_from_object[i];
+    const DMat4& to = now.world_from_object[i];
+    if (from == to || glm::determinant(DMat3(from)) == 0.0) continue;
+    motions.push_back({static_cast<Index>(i), to * glm::affineInverse(from)});
+  }
+  return motions;
+}
+
+std::optional<Pose> rigid_motion(const DMat4& now_from_before) {
+  constexpr double kTolerance = 1e-6;  // of lengths: rounding of float sources, far below a pixel
+  const DMat3 linear(now_from_before);
+  const DMat3 gram = glm::transpose(linear) * linear;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      const double expected = row == column ? 1.0 : 0.0;
+      if (!(std::abs(gram[column][row] - expected) <= 2.0 * kTolerance)) return std::nullopt;
+    }
+  }
+  if (glm::determinant(linear) < 0.0) return std::nullopt;
+  return Pose{DVec3(now_from_before[3]), glm::normalize(glm::quat_cast(linear))};
+}
+
+}  // namespace macula::scene
