@@ -62,14 +62,15 @@ allowed() {
     shared/math) echo "shared/base shared/units" ;;
     shared/foveation | shared/image) echo "$low" ;;
     shared/codec | shared/metrics | shared/net) echo "$pictures" ;;
+    server/sdf) echo "$pictures" ;;
     server/scheduling | server/sampling) echo "$low shared/image" ;;
-    server/scene) echo "$pictures shared/codec" ;;
+    server/scene) echo "$pictures shared/codec server/sdf" ;;
     server/visibility) echo "$pictures server/scene server/sampling" ;;
     server/shading) echo "$pictures server/scene server/sampling server/visibility" ;;
     server/lights) echo "$pictures server/scene server/sampling server/shading" ;;
     server/reconstruction) echo "$pictures" ;;
     server/kernels | server/kernels/*)
-      echo "$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/reconstruction" ;;
+      echo "$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/reconstruction server/sdf" ;;
     server/session) echo "shared server/scene server/scheduling server/kernels" ;;
     server/app) echo "shared server" ;;
     client/pose | client/reprojection) echo "$pictures" ;;

@@ -1,0 +1,24 @@
+// Where the registers of one run of a tape lie, and the runs themselves. Inside server/sdf.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "server/sdf/tape.h"
+
+namespace macula::sdf {
+
+/// Register r of distances begins at r * stride (plain) or 4 r * stride (surface: value and three
+/// derivatives), of points at three times that; materials at r * stride.
+struct Bank {
+  float* points;
+  float* distances;
+  std::int32_t* materials;  ///< of a surface run only
+  std::size_t stride;       ///< entries between planes, a multiple of 16
+  std::size_t count;        ///< points to do, a multiple of 16
+};
+
+void run_plain(const Tape& tape, const Bank& bank);
+void run_surface(const Tape& tape, const Bank& bank);
+
+}  // namespace macula::sdf

@@ -1,0 +1,20 @@
+# cmake -DOUTPUT=file.cpp -DFILES=a.sdf.json;b.sdf.json -P embed.cmake
+# Writes the files' texts as constants that built_in.cpp names: kText_a, kText_b.
+set(code "#include \"server/sdf/built_in_text.h\"\n\nnamespace macula::sdf {\n\n")
+foreach(file ${FILES})
+  get_filename_component(name ${file} NAME)
+  string(REPLACE ".sdf.json" "" name ${name})
+  file(READ ${file} text)
+  # String literals have a guaranteed length of 64 KiB; pieces of 8 KiB stay far below.
+  string(LENGTH "${text}" length)
+  set(pieces "")
+  set(at 0)
+  while(at LESS length)
+    string(SUBSTRING "${text}" ${at} 8192 piece)
+    string(APPEND pieces "\n    R\"sdf(${piece})sdf\"")
+    math(EXPR at "${at} + 8192")
+  endwhile()
+  string(APPEND code "const std::string_view kText_${name} =${pieces};\n\n")
+endforeach()
+string(APPEND code "}  // namespace macula::sdf\n")
+file(WRITE ${OUTPUT} "${code}")

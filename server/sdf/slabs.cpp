@@ -1,0 +1,115 @@
+#include "server/sdf/slabs.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "shared/base/check.h"
+
+namespace macula::sdf {
+namespace {
+
+/// Depths below far * 2^-kOctaves share one slab.
+constexpr int kOctaves = 40;
+/// A slab is about this many times as long as its cone is wide there.
+constexpr float kLengthOverWidth = 2.0F;
+
+std::uint32_t bits(float t) {
+  return std::bit_cast<std::uint32_t>(t);
+}
+
+}  // namespace
+
+Cone cone_around(std::span<const Vec3> directions) {
+  MACULA_CHECK(!directions.empty());
+  Vec3 sum{0.0F};
+  for (const Vec3& direction : directions) sum += direction;
+  Cone cone;
+  cone.axis = glm::normalize(sum);
+  float chord = 0.0F;
+  for (const Vec3& direction : directions)
+    chord = std::max(chord, glm::length(direction - cone.axis));
+  cone.half = std::min(1.0F, 0.5F * chord * 1.0001F + 2e-7F);
+  return cone;
+}
+
+// Slabs of equal share of an octave: the exponent and the first bits of the mantissa of t.
+void Slabs::reset(const Program& program, Slabs* outer, const Cone& cone, Pruning pruning) {
+  program_ = &program, outer_ = outer, cone_ = cone, pruning_ = pruning;
+  for (std::size_t i = 0; i < count_; ++i) slabs_[i].waiting.clear(), slabs_[i].hits.clear();
+  count_ = 0;
+  prunings_ = 0;
+  const float share = kLengthOverWidth * 2.0F * cone.half;
+  const int split = std::clamp(static_cast<int>(std::lround(-std::log2(share))), 0, 5);
+  shift_ = 23 - static_cast<std::uint32_t>(split);
+  if (outer) shift_ = std::min(shift_, outer->shift_);
+  const float first = std::max(std::ldexp(program.far_m, -kOctaves), 1e-30F);
+  first_key_ = bits(first) >> shift_;
+  place_.assign((bits(program.far_m) >> shift_) - first_key_ + 2, -1);
+}
+
+std::uint32_t Slabs::key_of(float t) const {
+  if (pruning_ == Pruning::None) return first_key_;
+  return std::max(bits(t) >> shift_, first_key_);
+}
+
+Slab& Slabs::of(float t, Registers& registers) {
+  const std::uint32_t key = key_of(t);
+  const std::size_t index = std::min<std::size_t>(key - first_key_, place_.size() - 1);
+  if (place_[index] < 0) {
+    place_[index] = static_cast<std::int16_t>(count_);
+    return make(key, registers);
+  }
+  return slabs_[static_cast<std::size_t>(place_[index])];
+}
+
+Slab& Slabs::make(std::uint32_t key, Registers& registers) {
+  // Slabs are handed out by reference while new ones are made: the table is as large as it gets.
+  if (slabs_.size() < place_.size()) slabs_.resize(place_.size());
+  Slab& slab = slabs_[count_++];
+  slab.key = key;
+  slab.low = key == first_key_ ? 0.0F : std::bit_cast<float>(key << shift_);
+  slab.high = std::bit_cast<float>((key + 1) << shift_);
+  slab.tape.ops.clear();
+  if (pruning_ == Pruning::None) {
+    slab.low = 0.0F, slab.high = std::numeric_limits<float>::infinity();
+    slab.code = program_->code;
+  } else {
+    prune(slab, registers);
+  }
+  return slab;
+}
+
+void Slabs::prune(Slab& slab, Registers& registers) {
+  const std::vector<Instruction>& from =
+      outer_ ? outer_->of(slab.low, registers).code : program_->code;
+  const float low = slab.low * 0.9999F, high = slab.high * 1.0001F, middle = 0.5F * (low + high);
+  // |t v - m c|^2 = (t - m)^2 + 4 t m sin^2(th / 2) is largest at the far rim.
+  const float along = high - middle, across = 2.0F * cone_.half;
+  const float radius = 1.0001F * std::sqrt(along * along + high * middle * across * across);
+  PointBatch centre{};
+  centre.set(0, middle * cone_.axis);
+  const Tape recording = make_recording_tape(from, program_->constants);
+  slab.code = pruned(from, program_->constants, record(recording, centre, registers), radius);
+  ++prunings_;
+}
+
+const Tape& Slabs::tape_of(Slab& slab) {
+  if (slab.tape.ops.empty()) {
+    slab.tape = make_tape(slab.code, program_->constants);
+    slab.operations = operations_of(slab.tape);
+  }
+  return slab.tape;
+}
+
+Slab* Slabs::nearest_waiting() {
+  Slab* nearest = nullptr;
+  for (std::size_t i = 0; i < count_; ++i) {
+    Slab& slab = slabs_[i];
+    if (!slab.waiting.empty() && (!nearest || slab.key < nearest->key)) nearest = &slab;
+  }
+  return nearest;
+}
+
+}  // namespace macula::sdf

@@ -1,0 +1,75 @@
+// What a program needs inside a cone around a bundle of rays, by depth: the range of t is cut into
+// slabs whose length grows with t, and what cannot win in a slab's ball is pruned when the slab is
+// first asked for. Bundles inside a bundle start from what the outer one kept. Inside server/sdf.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/sdf/evaluate.h"
+#include "server/sdf/program.h"
+#include "server/sdf/tape.h"
+
+namespace macula::sdf {
+
+/// Directions within an angle th of a unit axis.
+struct Cone {
+  Vec3 axis{0.0F, 0.0F, -1.0F};
+  float half = 0.0F;  ///< sin(th / 2)
+
+  float sine() const { return 2.0F * half * std::sqrt(std::max(0.0F, 1.0F - half * half)); }
+};
+/// Around the unit directions, with room for their roundings.
+Cone cone_around(std::span<const Vec3> directions);
+
+struct Slab {
+  std::uint32_t key = 0;          ///< grows with depth
+  float low = 0.0F, high = 0.0F;  ///< t in [low, high)
+  std::vector<Instruction> code;
+  Tape tape;                           ///< empty until tape_of asks for it
+  std::size_t operations = 0;          ///< of the tape, a point
+  std::vector<std::uint32_t> waiting;  ///< lanes to march here
+  std::vector<std::uint32_t> hits;     ///< lanes that hit here
+};
+
+class Slabs {
+ public:
+  enum class Pruning { None, ByDepth };
+
+  /// Forgets everything. `outer` (or null) and `program` must live while slabs are asked for.
+  void reset(const Program& program, Slabs* outer, const Cone& cone, Pruning pruning);
+
+  /// The slab that holds t >= 0.
+  Slab& of(float t, Registers& registers);
+  /// Of a slab of these.
+  const Tape& tape_of(Slab& slab);
+  /// The nearest slab with waiting lanes; null when there are none.
+  Slab* nearest_waiting();
+  template <class Each>
+  void each_with_hits(Each each) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (!slabs_[i].hits.empty()) each(slabs_[i]);
+    }
+  }
+  std::uint64_t prunings() const { return prunings_; }
+
+ private:
+  std::uint32_t key_of(float t) const;
+  Slab& make(std::uint32_t key, Registers& registers);
+  void prune(Slab& slab, Registers& registers);
+
+  const Program* program_ = nullptr;
+  Slabs* outer_ = nullptr;
+  Cone cone_;
+  Pruning pruning_ = Pruning::None;
+  std::uint32_t shift_ = 23, first_key_ = 0;
+  std::vector<std::int16_t> place_;  ///< by key - first_key_; -1: not made
+  std::vector<Slab> slabs_;          ///< kept for their memory; the first count_ are in use
+  std::size_t count_ = 0;
+  std::uint64_t prunings_ = 0;
+};
+
+}  // namespace macula::sdf
