@@ -55,7 +55,7 @@ struct Material {
   Rgb second{0.2F};  ///< the other color of the pattern
   Pattern pattern = Pattern::None;
   float pattern_size_m = 1.0F;  ///< edge of a checker square, period of the noise, ...
-  float roughness = 0.8F;       ///< perceptual, [0, 1]
+  float roughness = 1.0F;       ///< perceptual, [0, 1]; 1 = matte
   float metallic = 0.0F;
   Rgb emission{0.0F};  ///< radiance, W/(sr m^2)
 };

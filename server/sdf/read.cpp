@@ -57,7 +57,7 @@ class FieldReader {
       material.pattern = static_cast<Pattern>(entry.one_of("pattern", kPatterns, 0));
       material.pattern_size_m =
           static_cast<float>(entry.number("pattern_size", 1.0, 1e-12, kFarthest));
-      material.roughness = static_cast<float>(entry.number("roughness", 0.8, 0.0, 1.0));
+      material.roughness = static_cast<float>(entry.number("roughness", 1.0, 0.0, 1.0));
       material.metallic = static_cast<float>(entry.number("metallic", 0.0, 0.0, 1.0));
       material.emission = Rgb(entry.color("emission", DVec3{0.0}, kBrightest));
       entry.finish();
