@@ -7,53 +7,13 @@
 #define HWY_TARGET_INCLUDE "server/lights/light_list_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+#include "server/sampling/vectors_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace macula::lights::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using FloatVec = hn::Vec<Floats>;
-using IntVec = hn::Vec<Ints>;
-
-struct Vec3s {
-  FloatVec x, y, z;
-};
-HWY_INLINE HWY_ATTR Vec3s load(const sampling::Vec3Batch& from, std::size_t i) {
-  const Floats d;
-  return {hn::Load(d, from.x + i), hn::Load(d, from.y + i), hn::Load(d, from.z + i)};
-}
-HWY_INLINE HWY_ATTR void store(const Vec3s& v, sampling::Vec3Batch& to, std::size_t i) {
-  const Floats d;
-  hn::Store(v.x, d, to.x + i);
-  hn::Store(v.y, d, to.y + i);
-  hn::Store(v.z, d, to.z + i);
-}
-HWY_INLINE HWY_ATTR Vec3s broadcast(const Vec3& v) {
-  const Floats d;
-  return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
-}
-HWY_INLINE HWY_ATTR Vec3s scaled(FloatVec factor, const Vec3s& v) {
-  return {hn::Mul(factor, v.x), hn::Mul(factor, v.y), hn::Mul(factor, v.z)};
-}
-/// Zero where `mask` is not set, whatever the factors are.
-template <class Mask>
-HWY_INLINE HWY_ATTR Vec3s scaled_where(Mask mask, FloatVec factor, const Vec3s& v) {
-  return {hn::IfThenElseZero(mask, hn::Mul(factor, v.x)),
-          hn::IfThenElseZero(mask, hn::Mul(factor, v.y)),
-          hn::IfThenElseZero(mask, hn::Mul(factor, v.z))};
-}
-HWY_INLINE HWY_ATTR Vec3s minus(const Vec3s& a, const Vec3s& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-/// a + s b
-HWY_INLINE HWY_ATTR Vec3s plus(const Vec3s& a, FloatVec s, const Vec3s& b) {
-  return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)};
-}
-HWY_INLINE HWY_ATTR FloatVec dot(const Vec3s& a, const Vec3s& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
+using namespace sampling::HWY_NAMESPACE;
 
 // ---- emissive triangles ----
 
@@ -121,8 +81,7 @@ HWY_ATTR void area_vectors(const EmitterTable& table, const sampling::Vec2Batch&
     store(normal, out.normal, i);
     hn::Store(b1, d, out.barycentric.x + i);
     hn::Store(b2, d, out.barycentric.y + i);
-    hn::Store(hn::BitCast(hn::RebindToUnsigned<Floats>(), light), hn::RebindToUnsigned<Floats>(),
-              out.light.at + i);
+    hn::Store(hn::BitCast(Words(), light), Words(), out.light.at + i);
   }
 }
 

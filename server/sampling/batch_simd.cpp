@@ -8,15 +8,12 @@
 #define HWY_TARGET_INCLUDE "server/sampling/batch_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+#include "server/sampling/vectors_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace macula::sampling::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::ScalableTag<float>;
-using Words = hn::RebindToUnsigned<Floats>;
-using FloatVec = hn::Vec<Floats>;
-using WordVec = hn::Vec<Words>;
 
 // ---- Owen-scrambled Sobol points ----
 
@@ -82,17 +79,6 @@ HWY_ATTR void sobol_vectors(std::uint32_t index, const ScramblingBatch& sequence
 
 // ---- directions ----
 
-struct Vec3s {
-  FloatVec x, y, z;
-};
-HWY_INLINE HWY_ATTR Vec3s load(const Vec3Batch& from, std::size_t i) {
-  const Floats d;
-  return {hn::Load(d, from.x + i), hn::Load(d, from.y + i), hn::Load(d, from.z + i)};
-}
-HWY_INLINE HWY_ATTR FloatVec dot(const Vec3s& a, const Vec3s& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-
 /// Sine and cosine on [-pi/4, pi/4] by Taylor's polynomials, whose first term left out is below
 /// 4e-8.
 HWY_INLINE HWY_ATTR FloatVec small_sine(FloatVec a, FloatVec a2) {
@@ -155,9 +141,7 @@ HWY_ATTR void direction_vectors(const Vec2Batch& u, const Vec3Batch& normals,
     const Vec3s side = load(sides, i);
     const auto below = hn::Min(dot(world, side), hn::Zero(d));
     const auto lift = hn::Mul(hn::Set(d, -2.0F), below);
-    hn::Store(hn::MulAdd(lift, side.x, world.x), d, directions.x + i);
-    hn::Store(hn::MulAdd(lift, side.y, world.y), d, directions.y + i);
-    hn::Store(hn::MulAdd(lift, side.z, world.z), d, directions.z + i);
+    store(plus(world, lift, side), directions, i);
   }
 }
 

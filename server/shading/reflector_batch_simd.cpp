@@ -7,26 +7,13 @@
 #define HWY_TARGET_INCLUDE "server/shading/reflector_batch_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+#include "server/sampling/vectors_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace macula::shading::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using FloatVec = hn::Vec<Floats>;
-using IntVec = hn::Vec<Ints>;
-
-struct Vec3s {
-  FloatVec x, y, z;
-};
-HWY_INLINE HWY_ATTR Vec3s load(const sampling::Vec3Batch& from, std::size_t i) {
-  const Floats d;
-  return {hn::Load(d, from.x + i), hn::Load(d, from.y + i), hn::Load(d, from.z + i)};
-}
-HWY_INLINE HWY_ATTR FloatVec dot(const Vec3s& a, const Vec3s& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
+using namespace sampling::HWY_NAMESPACE;
 
 // ---- the lobe's directional albedo, from its table ----
 
@@ -56,7 +43,7 @@ HWY_INLINE HWY_ATTR Albedo gather(IntVec index) {
   const Floats d;
   const Ints di;
   const auto packed = hn::GatherIndex(di, GgxAlbedoNodes::packed(), index);
-  const auto upper = hn::ShiftRight<16>(hn::BitCast(hn::RebindToUnsigned<Floats>(), packed));
+  const auto upper = hn::ShiftRight<16>(hn::BitCast(Words(), packed));
   return {hn::ConvertTo(d, hn::And(packed, hn::Set(di, 0xFFFF))),
           hn::ConvertTo(d, hn::BitCast(di, upper))};
 }
@@ -88,8 +75,7 @@ HWY_INLINE HWY_ATTR Lobe lobe(const ReflectorBatch& r, std::size_t i, const Vec3
   const Floats d;
   const auto one = hn::Set(d, 1.0F), zero = hn::Zero(d);
   const Vec3s eye = load(r.to_eye, i);
-  const Vec3s sum{hn::Add(eye.x, to_light.x), hn::Add(eye.y, to_light.y),
-                  hn::Add(eye.z, to_light.z)};
+  const Vec3s sum = plus(eye, to_light);
   const auto inverse = hn::Div(one, hn::Sqrt(dot(sum, sum)));
   const auto cos_half = hn::Mul(dot(load(r.shading, i), sum), inverse);
   const auto cos_vh = hn::Mul(dot(eye, sum), inverse);
@@ -124,8 +110,7 @@ HWY_INLINE HWY_ATTR Vec3s under_lobe(const ReflectorBatch& r, std::size_t i, con
   const Vec3s f0 = load(r.f0, i);
   const auto f90 = hn::Load(d, r.f90.at + i);
   const auto has_lobe = hn::Gt(alpha, hn::Zero(d));
-  const Vec3s under{hn::Mul(diffuse.x, cos_l), hn::Mul(diffuse.y, cos_l),
-                    hn::Mul(diffuse.z, cos_l)};
+  const Vec3s under = scaled(cos_l, diffuse);
   return {hn::IfThenElse(has_lobe, channel(f0.x, f90, under.x, glare, taken), under.x),
           hn::IfThenElse(has_lobe, channel(f0.y, f90, under.y, glare, taken), under.y),
           hn::IfThenElse(has_lobe, channel(f0.z, f90, under.z, glare, taken), under.z)};
@@ -143,7 +128,7 @@ HWY_ATTR void reflect_vectors(const ReflectorBatch& r, const sampling::Vec3Batch
         hn::And(hn::Gt(cos_l, zero), hn::Gt(dot(load(r.geometric, i), to_light), zero));
     const auto alpha = hn::Load(d, r.alpha.at + i);
     const Vec3s diffuse = load(r.diffuse, i);
-    Vec3s f{hn::Mul(diffuse.x, cos_l), hn::Mul(diffuse.y, cos_l), hn::Mul(diffuse.z, cos_l)};
+    Vec3s f = scaled(cos_l, diffuse);
     if (!hn::AllFalse(d, hn::And(above, hn::Gt(alpha, zero)))) {
       f = under_lobe(r, i, to_light, cos_l, alpha, diffuse);
     }
@@ -151,9 +136,8 @@ HWY_ATTR void reflect_vectors(const ReflectorBatch& r, const sampling::Vec3Batch
       const auto lit = hn::IfThenElseZero(above, hn::Mul(part, light));
       return hn::IfThenZeroElse(hn::Eq(light, zero), lit);
     };
-    hn::Store(product(f.x, arriving.x), d, reflected.x + i);
-    hn::Store(product(f.y, arriving.y), d, reflected.y + i);
-    hn::Store(product(f.z, arriving.z), d, reflected.z + i);
+    store({product(f.x, arriving.x), product(f.y, arriving.y), product(f.z, arriving.z)}, reflected,
+          i);
   }
 }
 

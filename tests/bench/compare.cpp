@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "server/shading/exr.h"
+#include "server/exr/exr.h"
 #include "shared/base/text.h"
 #include "shared/image/draw.h"
 #include "shared/image/png.h"
@@ -57,7 +57,7 @@ Plane<Rgb> display_encoded(const Plane<Rgb>& radiance, double exposure_ev) {
 }
 
 Result<Picture> load_exr(const std::string& path, double exposure_ev) {
-  auto radiance = shading::read_exr(path);
+  auto radiance = exr::read(path);
   if (!radiance) return forward(radiance);
   if (const auto finite = check_finite(*radiance, path); !finite) return forward(finite);
   Plane<Rgb> encoded = display_encoded(*radiance, exposure_ev);

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/shading/exr.h"
+#include "server/exr/exr.h"
 #include "shared/image/png.h"
 #include "tests/bench/run_program.h"
 #include "tests/support/handed_data.h"
@@ -61,7 +61,7 @@ class Program : public testing::Test {
     return path(name);
   }
   std::string grey_exr(const std::string& name, float value) const {
-    EXPECT_TRUE(shading::write_exr(path(name), Plane<Rgb>(32, 24, Rgb{value})));
+    EXPECT_TRUE(exr::write(path(name), Plane<Rgb>(32, 24, Rgb{value})));
     return path(name);
   }
   static std::string text_of(const std::string& file) {
@@ -137,7 +137,7 @@ TEST_F(Program, WritesAStillWithItsPlanesAsOneExrAndAPictureAPlane) {
         "albedo.B", "id.Y", "rate.Y", "samples.Y", "variance.Y"}) {
     EXPECT_TRUE(contains(bytes, std::string(channel) + '\0')) << channel;
   }
-  const auto beauty = shading::read_exr(path("still.exr"));
+  const auto beauty = exr::read(path("still.exr"));
   ASSERT_TRUE(beauty) << beauty.error().message();
   double mean = 0.0;
   for (const Rgb& pixel : beauty->pixels()) mean += pixel.x / (24.0 * 16.0);
@@ -163,7 +163,7 @@ TEST_F(Program, RefusesUnreadableUnequalAndUnknownPictures) {
   std::ofstream(path("text.png")) << "not a picture";
   std::ofstream(path("text.exr")) << "not a picture";
   std::ofstream(path("picture.bmp")) << "BM";
-  EXPECT_TRUE(shading::write_exr(path("nan.exr"), Plane<Rgb>(32, 24, Rgb{0.0F / 0.0F})));
+  EXPECT_TRUE(exr::write(path("nan.exr"), Plane<Rgb>(32, 24, Rgb{0.0F / 0.0F})));
   for (const std::string& other : {narrow, path("text.png"), path("text.exr"), path("picture.bmp"),
                                    path("nan.exr"), path("")}) {
     const Finished run = bench({"compare", a, other});

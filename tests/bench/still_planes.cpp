@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "server/shading/exr.h"
+#include "server/exr/exr.h"
 #include "shared/base/text.h"
 #include "shared/image/draw.h"
 #include "shared/image/lettering.h"
@@ -233,12 +233,11 @@ Result<void> write_layered_exr(const std::string& path, const Plane<Rgb>& radian
   for (int c = 0; c < 3; ++c) {
     beauty.push_back(component(radiance, [c](const Rgb& value) { return value[c]; }));
   }
-  std::vector<shading::NamedPlane> channels{
-      {"R", &beauty[0]}, {"G", &beauty[1]}, {"B", &beauty[2]}};
+  std::vector<exr::NamedPlane> channels{{"R", &beauty[0]}, {"G", &beauty[1]}, {"B", &beauty[2]}};
   for (const StillLayer& layer : layers) {
     for (const auto& [name, plane] : layer.channels) channels.push_back({name, &plane});
   }
-  return shading::write_exr_layers(path, channels);
+  return exr::write_layers(path, channels);
 }
 
 }  // namespace macula::bench

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "server/scene/load.h"
-#include "server/shading/exr.h"
+#include "server/exr/exr.h"
 #include "tests/conformance/test_scenes.h"
 #include "tests/support/handed_data.h"
 
@@ -50,7 +50,7 @@ TEST(DirectReference, CornellBoxAgreesWithinItsNoise) {
   const auto folder = test::handed_data() / "scenes" / "cornell_box";
   const auto loaded = scene::load_scene((folder / "cornell_box.gltf").string());
   ASSERT_TRUE(loaded) << loaded.error().message();
-  const auto reference = shading::read_exr((folder / "reference/direct_lambert_256.exr").string());
+  const auto reference = exr::read((folder / "reference/direct_lambert_256.exr").string());
   ASSERT_TRUE(reference) << reference.error().message();
   const auto frame = kernels::SceneFrame::create(*loaded);
   ASSERT_TRUE(frame) << frame.error().message();

@@ -33,8 +33,8 @@ google/protobuf shared/net tests/shared/net
 tiny_gltf server/scene
 assimp/ server/scene
 embree server/visibility
-OpenEXR/ server/shading
-Imf server/shading
+OpenEXR/ server/exr
+Imf server/exr
 opencv2/ server/filters
 GLFW/ client/display/window
 epoxy/ client/display/window
@@ -64,7 +64,8 @@ allowed() {
     shared/codec | shared/metrics | shared/net) echo "$pictures" ;;
     server/sdf) echo "$pictures" ;;
     server/scheduling | server/sampling) echo "$low shared/image" ;;
-    server/scene) echo "$pictures shared/codec server/sdf" ;;
+    server/exr) echo "$low shared/image" ;;
+    server/scene) echo "$pictures shared/codec server/exr server/sdf" ;;
     server/visibility) echo "$pictures server/scene server/sampling" ;;
     server/shading) echo "$pictures server/scene server/sampling server/visibility" ;;
     server/lights) echo "$pictures server/scene server/sampling server/shading" ;;

@@ -1,4 +1,4 @@
-#include "server/shading/exr.h"
+#include "server/exr/exr.h"
 
 #include <cerrno>
 #include <cstring>
@@ -16,7 +16,7 @@
 #include <OpenEXR/ImfStdIO.h>
 #include <OpenEXR/ImfTestFile.h>
 
-namespace macula::shading {
+namespace macula::exr {
 namespace {
 
 using base::bad_input;
@@ -165,7 +165,7 @@ Result<void> write_channels(const std::string& path, Size size,
 
 }  // namespace
 
-Result<Plane<Rgb>> read_exr(const std::string& path, int max_side_px) {
+Result<Plane<Rgb>> read(const std::string& path, int max_side_px) {
   limit_sizes();
   if (const auto fine = check_is_exr(path); !fine) return forward(fine);
   try {
@@ -177,14 +177,14 @@ Result<Plane<Rgb>> read_exr(const std::string& path, int max_side_px) {
   }
 }
 
-Result<void> write_exr(const std::string& path, const Plane<Rgb>& radiance) {
+Result<void> write(const std::string& path, const Plane<Rgb>& radiance) {
   const float* first = &radiance.data()->x;
   return write_channels(
       path, {radiance.width(), radiance.height()},
       {{"R", first, sizeof(Rgb)}, {"G", first + 1, sizeof(Rgb)}, {"B", first + 2, sizeof(Rgb)}});
 }
 
-Result<void> write_exr_layers(const std::string& path, std::span<const NamedPlane> planes) {
+Result<void> write_layers(const std::string& path, std::span<const NamedPlane> planes) {
   MACULA_CHECK(!planes.empty(), "at least one plane");
   std::vector<Channel> channels;
   for (const NamedPlane& plane : planes) {
@@ -198,4 +198,4 @@ Result<void> write_exr_layers(const std::string& path, std::span<const NamedPlan
   return write_channels(path, {planes[0].values->width(), planes[0].values->height()}, channels);
 }
 
-}  // namespace macula::shading
+}  // namespace macula::exr

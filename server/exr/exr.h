@@ -11,16 +11,16 @@
 #include "shared/image/color.h"
 #include "shared/image/plane.h"
 
-namespace macula::shading {
+namespace macula::exr {
 
 using image::Plane;
 
 /// The data window of the first part, channels R, G, B (or Y alone as grey), half, float or uint;
 /// other channels are ignored. Refuses deep and sub-sampled pictures and sides above `max_side_px`.
-Result<Plane<Rgb>> read_exr(const std::string& path, int max_side_px = 16384);
+Result<Plane<Rgb>> read(const std::string& path, int max_side_px = 16384);
 
 /// Channels R, G, B as float, zip compression, chromaticities Rec.709. Overwrites.
-Result<void> write_exr(const std::string& path, const Plane<Rgb>& radiance);
+Result<void> write(const std::string& path, const Plane<Rgb>& radiance);
 
 /// One channel of a picture, e.g. {"depth.Z", &depth_m}; a dot separates layer and channel.
 struct NamedPlane {
@@ -28,6 +28,6 @@ struct NamedPlane {
   const Plane<float>* values = nullptr;
 };
 /// At least one plane, all of one size, names unique and not empty. Overwrites.
-Result<void> write_exr_layers(const std::string& path, std::span<const NamedPlane> planes);
+Result<void> write_layers(const std::string& path, std::span<const NamedPlane> planes);
 
-}  // namespace macula::shading
+}  // namespace macula::exr
