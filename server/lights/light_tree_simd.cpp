@@ -1,0 +1,196 @@
+// Sixteen parents at once: their children are two neighbouring blocks, left ones on even lanes.
+#include "server/lights/light_tree_simd.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "server/lights/light_tree_simd.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace macula::lights::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, NodeBlock::kNodes>;
+using FloatVec = hn::Vec<Floats>;
+using Mask = hn::Mask<Floats>;
+
+struct Pair {
+  FloatVec left, right;
+};
+/// The children of parents lane .. lane + Lanes of the block made from `children` and the next.
+HWY_INLINE HWY_ATTR Pair children_of(const NodeBlock* children, NodeBlock::Row NodeBlock::*row,
+                                     std::size_t lane) {
+  const Floats d;
+  const std::size_t first = 2 * lane, second = first + hn::Lanes(d);
+  const auto a = hn::Load(d, (children[first / 16].*row) + first % 16);
+  const auto b = hn::Load(d, (children[second / 16].*row) + second % 16);
+  return {hn::ConcatEven(d, b, a), hn::ConcatOdd(d, b, a)};
+}
+
+/// Writes only where there is a parent.
+HWY_INLINE HWY_ATTR void store(Mask parents, FloatVec value, float* to) {
+  const Floats d;
+  hn::Store(hn::IfThenElse(parents, value, hn::Load(d, to)), d, to);
+}
+
+struct Merge {
+  Mask parents;      ///< lanes that are inner nodes
+  Mask left, right;  ///< whether a child has a light
+  const NodeBlock* children;
+  NodeBlock* out;
+  std::size_t lane;
+};
+
+HWY_INLINE HWY_ATTR void merge_axis(const Merge& m, NodeBlock::Row NodeBlock::*centre,
+                                    NodeBlock::Row NodeBlock::*half) {
+  const Floats d;
+  const Pair c = children_of(m.children, centre, m.lane), h = children_of(m.children, half, m.lane);
+  const auto infinite = hn::Inf(d);
+  const auto low = hn::Min(hn::IfThenElse(m.left, hn::Sub(c.left, h.left), infinite),
+                           hn::IfThenElse(m.right, hn::Sub(c.right, h.right), infinite));
+  const auto high = hn::Max(hn::IfThenElse(m.left, hn::Add(c.left, h.left), hn::Neg(infinite)),
+                            hn::IfThenElse(m.right, hn::Add(c.right, h.right), hn::Neg(infinite)));
+  const auto any = hn::Or(m.left, m.right);
+  const auto middle = hn::IfThenElseZero(any, hn::Mul(hn::Set(d, 0.5F), hn::Add(low, high)));
+  // Both ends and the middle were rounded: a few halves of a unit in the last place.
+  const auto reach = hn::Max(hn::Abs(low), hn::Abs(high));
+  const auto span = hn::Mul(hn::Set(d, 0.5F), hn::Sub(high, low));
+  const auto padded = hn::MulAdd(hn::Set(d, 0x1p-21F), reach, span);
+  // A point stays a point: coincident lights have nothing to round.
+  const auto width = hn::IfThenElse(hn::Gt(span, hn::Zero(d)), padded, hn::Zero(d));
+  store(m.parents, middle, (m.out->*centre) + m.lane);
+  store(m.parents, hn::IfThenElseZero(any, width), (m.out->*half) + m.lane);
+}
+
+/// cos of an angle in [0, pi/2] from its sine.
+HWY_INLINE HWY_ATTR FloatVec cofunction(FloatVec sine) {
+  const Floats d;
+  return hn::Sqrt(hn::Max(hn::NegMulAdd(sine, sine, hn::Set(d, 1.0F)), hn::Zero(d)));
+}
+
+/// A cone by half its half-angle, in [0, pi/2]: narrow ones keep their digits.
+struct Cone {
+  FloatVec x, y, z, sine, cosine;
+};
+struct Angle {
+  FloatVec sine, cosine;
+};
+HWY_INLINE HWY_ATTR Angle sum(const Angle& a, const Angle& b) {
+  return {hn::MulAdd(a.sine, b.cosine, hn::Mul(a.cosine, b.sine)),
+          hn::MulSub(a.cosine, b.cosine, hn::Mul(a.sine, b.sine))};
+}
+HWY_INLINE HWY_ATTR Angle difference(const Angle& a, const Angle& b) {
+  return {hn::MulSub(a.sine, b.cosine, hn::Mul(a.cosine, b.sine)),
+          hn::MulAdd(a.cosine, b.cosine, hn::Mul(a.sine, b.sine))};
+}
+HWY_INLINE HWY_ATTR Cone choose(Mask mask, const Cone& yes, const Cone& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y),
+          hn::IfThenElse(mask, yes.z, no.z), hn::IfThenElse(mask, yes.sine, no.sine),
+          hn::IfThenElse(mask, yes.cosine, no.cosine)};
+}
+
+/// The smallest cone about two, without a trigonometric function. With half-angles 2a and 2b and
+/// axes 2c apart, its half-angle is a + b + c, and its axis lies b + c - a from the first towards
+/// the second; a cone whose neighbour is not reached by that turn holds both already.
+HWY_INLINE HWY_ATTR Cone smallest_about(const Cone& first, const Cone& second) {
+  const Floats d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F), half = hn::Set(d, 0.5F);
+  const auto dx = hn::Sub(second.x, first.x), dy = hn::Sub(second.y, first.y),
+             dz = hn::Sub(second.z, first.z);
+  const auto chord2 = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+  const auto half_chord = hn::Min(hn::Mul(half, hn::Sqrt(chord2)), one);
+  const Angle a{first.sine, first.cosine}, b{second.sine, second.cosine},
+      c{half_chord, cofunction(half_chord)};
+  const Angle turn = difference(sum(b, c), a), back = difference(sum(a, c), b);
+  const Angle width = sum(sum(a, b), c);
+  // a + b + c reaches up to 3 pi / 2: from pi on its sine is not positive; a milliradian earlier
+  // still, the axis has digits left.
+  const auto beyond = hn::And(hn::Le(width.sine, hn::Set(d, 1e-3F)), hn::Lt(width.cosine, zero));
+  const auto full = hn::Or(beyond, hn::Ge(half_chord, one));
+  // The unit vector across the first axis, in the plane of both: (second - first) plus the first
+  // times 1 - cos 2c.
+  const auto lift = hn::Mul(hn::Set(d, 2.0F), hn::Mul(half_chord, half_chord));
+  const auto ex = hn::MulAdd(lift, first.x, dx), ey = hn::MulAdd(lift, first.y, dy),
+             ez = hn::MulAdd(lift, first.z, dz);
+  const auto length2 = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(ez, ez)));
+  const auto across =
+      hn::IfThenElseZero(hn::Gt(length2, zero), hn::Div(turn.sine, hn::Sqrt(length2)));
+  Cone both;
+  both.x = hn::MulAdd(turn.cosine, first.x, hn::Mul(across, ex));
+  both.y = hn::MulAdd(turn.cosine, first.y, hn::Mul(across, ey));
+  both.z = hn::MulAdd(turn.cosine, first.z, hn::Mul(across, ez));
+  const auto norm =
+      hn::Sqrt(hn::MulAdd(both.x, both.x, hn::MulAdd(both.y, both.y, hn::Mul(both.z, both.z))));
+  both.x = hn::IfThenElse(full, first.x, hn::Div(both.x, norm));
+  both.y = hn::IfThenElse(full, first.y, hn::Div(both.y, norm));
+  both.z = hn::IfThenElse(full, first.z, hn::Div(both.z, norm));
+  both.cosine = hn::Sqrt(hn::Max(hn::Mul(half, hn::Add(one, width.cosine)), zero));
+  both.sine = hn::IfThenElse(full, one, hn::Div(hn::Mul(half, width.sine), both.cosine));
+  both = choose(hn::Le(back.sine, zero), second, both);
+  return choose(hn::Le(turn.sine, zero), first, both);
+}
+
+HWY_INLINE HWY_ATTR void merge_cones(const Merge& m) {
+  const Floats d;
+  const Pair x = children_of(m.children, &NodeBlock::axis_x, m.lane);
+  const Pair y = children_of(m.children, &NodeBlock::axis_y, m.lane);
+  const Pair z = children_of(m.children, &NodeBlock::axis_z, m.lane);
+  const Pair s = children_of(m.children, &NodeBlock::half_sine, m.lane);
+  const Pair e = children_of(m.children, &NodeBlock::cos_emission, m.lane);
+  const Cone left{x.left, y.left, z.left, s.left, cofunction(s.left)};
+  const Cone right{x.right, y.right, z.right, s.right, cofunction(s.right)};
+  Cone both = smallest_about(left, right);
+  both = choose(m.right, choose(m.left, both, right), left);
+  const auto one = hn::Set(d, 1.0F);
+  const auto emission =
+      hn::Min(hn::IfThenElse(m.left, e.left, one), hn::IfThenElse(m.right, e.right, one));
+  store(m.parents, both.x, m.out->axis_x + m.lane);
+  store(m.parents, both.y, m.out->axis_y + m.lane);
+  store(m.parents, both.z, m.out->axis_z + m.lane);
+  store(m.parents, both.sine, m.out->half_sine + m.lane);
+  store(m.parents, emission, m.out->cos_emission + m.lane);
+}
+
+HWY_INLINE HWY_ATTR void merge_block(NodeBlock* blocks, std::size_t block, NodeId first_leaf,
+                                     Oriented oriented) {
+  const Floats d;
+  for (std::size_t lane = 0; lane < NodeBlock::kNodes; lane += hn::Lanes(d)) {
+    const Pair intensity = children_of(blocks + 2 * block, &NodeBlock::intensity, lane);
+    const auto id = hn::Iota(d, static_cast<float>(lane));
+    const float inner = block == 0 ? static_cast<float>(first_leaf) : 16.0F;
+    const Merge m{hn::Lt(id, hn::Set(d, inner)),
+                  hn::Gt(intensity.left, hn::Zero(d)),
+                  hn::Gt(intensity.right, hn::Zero(d)),
+                  blocks + 2 * block,
+                  blocks + block,
+                  lane};
+    merge_axis(m, &NodeBlock::centre_x, &NodeBlock::half_x);
+    merge_axis(m, &NodeBlock::centre_y, &NodeBlock::half_y);
+    merge_axis(m, &NodeBlock::centre_z, &NodeBlock::half_z);
+    if (oriented == Oriented::Yes) merge_cones(m);
+  }
+}
+
+HWY_ATTR void merge_vectors(std::span<NodeBlock> blocks, NodeId first_leaf, Oriented oriented) {
+  const std::size_t inner = first_leaf / NodeBlock::kNodes;
+  for (std::size_t block = inner; block-- > 1;) {
+    merge_block(blocks.data(), block, first_leaf, oriented);
+  }
+  // Block 0 holds four levels, each made from the one below it: one level a pass.
+  for (int level = 0; level < 4; ++level) merge_block(blocks.data(), 0, first_leaf, oriented);
+}
+
+}  // namespace macula::lights::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace macula::lights {
+
+HWY_EXPORT(merge_vectors);
+
+void merge_levels(std::span<NodeBlock> blocks, NodeId first_leaf, Oriented oriented) {
+  HWY_DYNAMIC_DISPATCH(merge_vectors)(blocks, first_leaf, oriented);
+}
+
+}  // namespace macula::lights
+#endif

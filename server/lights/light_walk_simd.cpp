@@ -1,0 +1,419 @@
+// A block of sixteen nodes, weighed from one receiver. tests/server/lights/tree_oracle.h has the
+// same in double, one node at a time.
+#include "server/lights/light_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/sampling/frame.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "server/lights/light_walk_simd.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace macula::lights::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, NodeBlock::kNodes>;
+using FloatVec = hn::Vec<Floats>;
+using Mask = hn::Mask<Floats>;
+constexpr std::size_t kNodes = NodeBlock::kNodes;
+
+/// A linear form over boxes: its value at their centres, and how far it varies to either side.
+struct Form {
+  Vec3 axis, extent;
+
+  explicit Form(const Vec3& v) : axis(v), extent(glm::abs(v)) {}
+};
+/// Everything about the receiver that no node changes.
+struct Eye {
+  Vec3 position;
+  Form normal, tangent, bitangent;
+
+  explicit Eye(const Receiver& receiver)
+      : Eye(receiver, sampling::frame_from_normal(receiver.normal)) {}
+  Eye(const Receiver& receiver, const Mat3& frame)
+      : position(receiver.position), normal(frame[2]), tangent(frame[0]), bitangent(frame[1]) {}
+};
+
+struct Box {
+  FloatVec cx, cy, cz;  ///< centre as seen from the receiver
+  FloatVec hx, hy, hz;
+};
+struct Range {
+  FloatVec centre, reach;
+};
+HWY_INLINE HWY_ATTR FloatVec dot(const Vec3& a, FloatVec x, FloatVec y, FloatVec z) {
+  const Floats d;
+  return hn::MulAdd(hn::Set(d, a.x), x,
+                    hn::MulAdd(hn::Set(d, a.y), y, hn::Mul(hn::Set(d, a.z), z)));
+}
+HWY_INLINE HWY_ATTR Range range_of(const Form& form, const Box& box) {
+  return {dot(form.axis, box.cx, box.cy, box.cz), dot(form.extent, box.hx, box.hy, box.hz)};
+}
+HWY_INLINE HWY_ATTR FloatVec least_magnitude(const Range& range) {
+  return hn::Max(hn::Sub(hn::Abs(range.centre), range.reach), hn::Zero(Floats()));
+}
+
+/// Largest cosine at the receiver towards any point of the box. It rises with the height over the
+/// receiver's plane and falls with the distances along it, so it is no larger than at the highest
+/// height and the least distances, wherever in the box each of them lies.
+HWY_INLINE HWY_ATTR FloatVec cosine_bound(const Eye& eye, const Box& box) {
+  const Floats d;
+  const auto zero = hn::Zero(d);
+  const Range height = range_of(eye.normal, box);
+  // Rounding of a form of three terms: a lower bound of 0 that is not one would lose light.
+  const auto slack = hn::Mul(hn::Set(d, 0x1p-21F),
+                             hn::Add(hn::Abs(box.cx), hn::Add(hn::Abs(box.cy), hn::Abs(box.cz))));
+  const auto top = hn::Add(hn::Add(height.centre, height.reach), slack);
+  const auto t = least_magnitude(range_of(eye.tangent, box));
+  const auto b = least_magnitude(range_of(eye.bitangent, box));
+  const auto length2 = hn::MulAdd(top, top, hn::MulAdd(t, t, hn::Mul(b, b)));
+  return hn::IfThenElseZero(hn::Gt(top, zero), hn::Div(top, hn::Sqrt(length2)));
+}
+
+/// Largest cosine at the lights, past their cones. The receiver lies theta from the cone's axis as
+/// seen from the centre; from elsewhere in the box's sphere by up to asin(radius / distance) less.
+HWY_INLINE HWY_ATTR FloatVec emission_bound(const NodeBlock& block, std::size_t lane,
+                                            const Box& box) {
+  const Floats d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  const auto distance2 =
+      hn::MulAdd(box.cx, box.cx, hn::MulAdd(box.cy, box.cy, hn::Mul(box.cz, box.cz)));
+  const auto radius2 =
+      hn::MulAdd(box.hx, box.hx, hn::MulAdd(box.hy, box.hy, hn::Mul(box.hz, box.hz)));
+  const auto inside = hn::Ge(radius2, distance2);
+  const auto sin2_u = hn::Min(hn::Div(radius2, distance2), one);
+  const auto sin_u = hn::Sqrt(sin2_u), cos_u = hn::Sqrt(hn::Sub(one, sin2_u));
+  const auto along = hn::MulAdd(hn::Load(d, block.axis_x + lane), box.cx,
+                                hn::MulAdd(hn::Load(d, block.axis_y + lane), box.cy,
+                                           hn::Mul(hn::Load(d, block.axis_z + lane), box.cz)));
+  const auto cos_theta =
+      hn::Max(hn::Min(hn::Neg(hn::Div(along, hn::Sqrt(distance2))), one), hn::Neg(one));
+  const auto sin_theta = hn::Sqrt(hn::NegMulAdd(cos_theta, cos_theta, one));
+  const auto half = hn::Load(d, block.half_sine + lane);
+  const auto two = hn::Set(d, 2.0F);
+  const auto cos_o = hn::NegMulAdd(two, hn::Mul(half, half), one);
+  const auto sin_o =
+      hn::Mul(hn::Mul(two, half), hn::Sqrt(hn::Max(hn::NegMulAdd(half, half, one), zero)));
+  // The cone widened by that angle; from a straight line on it holds every direction.
+  const auto cos_w = hn::MulSub(cos_o, cos_u, hn::Mul(sin_o, sin_u));
+  const auto sin_w = hn::MulAdd(sin_o, cos_u, hn::Mul(cos_o, sin_u));
+  const auto wide = hn::And(hn::Le(sin_w, hn::Set(d, 1e-3F)), hn::Lt(cos_w, zero));
+  const auto full = hn::Or(hn::Or(inside, wide), hn::Ge(cos_theta, cos_w));
+  const auto past = hn::MulAdd(cos_theta, cos_w, hn::Mul(sin_theta, sin_w));
+  // Sines of angles near 0 and pi are good to half a milliradian. A bound of 0 that is not one
+  // would be bias, a little too much is only noise: a milliradian is given away.
+  const auto slack = hn::Set(d, 1e-3F);
+  const auto bound = hn::Min(hn::Add(past, slack), one);
+  const auto ends = hn::Load(d, block.cos_emission + lane);
+  return hn::IfThenElse(full, one, hn::IfThenElseZero(hn::Gt(bound, ends), bound));
+}
+
+/// A vector for every part of a block.
+constexpr std::size_t kParts = kNodes / hn::MaxLanes(Floats());
+struct Views {
+  FloatVec weight[kParts], near2[kParts], far2[kParts];
+};
+
+HWY_INLINE HWY_ATTR Box box_of(const Eye& eye, const NodeBlock& block, std::size_t lane) {
+  const Floats d;
+  return {hn::Sub(hn::Load(d, block.centre_x + lane), hn::Set(d, eye.position.x)),
+          hn::Sub(hn::Load(d, block.centre_y + lane), hn::Set(d, eye.position.y)),
+          hn::Sub(hn::Load(d, block.centre_z + lane), hn::Set(d, eye.position.z)),
+          hn::Load(d, block.half_x + lane),
+          hn::Load(d, block.half_y + lane),
+          hn::Load(d, block.half_z + lane)};
+}
+
+HWY_INLINE HWY_ATTR FloatVec near2(const Box& box) {
+  const auto zero = hn::Zero(Floats());
+  const auto x = hn::Max(hn::Sub(hn::Abs(box.cx), box.hx), zero);
+  const auto y = hn::Max(hn::Sub(hn::Abs(box.cy), box.hy), zero);
+  const auto z = hn::Max(hn::Sub(hn::Abs(box.cz), box.hz), zero);
+  return hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+}
+HWY_INLINE HWY_ATTR FloatVec far2(const Box& box) {
+  const auto x = hn::Add(hn::Abs(box.cx), box.hx), y = hn::Add(hn::Abs(box.cy), box.hy),
+             z = hn::Add(hn::Abs(box.cz), box.hz);
+  return hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Mul(z, z)));
+}
+
+HWY_INLINE HWY_ATTR void look(const LightTree& tree, const Eye& eye, const NodeBlock& block,
+                              Views& views) {
+  const Floats d;
+  const bool oriented = tree.oriented() == Oriented::Yes;
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const std::size_t lane = k * hn::Lanes(d);
+    const Box box = box_of(eye, block, lane);
+    const auto intensity = hn::Load(d, block.intensity + lane);
+    auto weight = hn::Mul(intensity, cosine_bound(eye, box));
+    if (oriented) weight = hn::Mul(weight, emission_bound(block, lane, box));
+    // Nodes without a light hold what was there before, be it not a number.
+    views.weight[k] = hn::IfThenElseZero(hn::Gt(intensity, hn::Zero(d)), weight);
+    views.near2[k] = near2(box);
+    views.far2[k] = far2(box);
+  }
+}
+
+/// How likely each of sixteen nodes is: shares of `total`.
+struct alignas(64) Chances {
+  float at[kNodes];
+  float total = 0.0F;
+};
+
+/// Squared distances below this, 1e-14 m, are all alike: at distance 0 a node outweighs every node
+/// that is not, and among those the weight decides.
+constexpr float kLeastDistance2 = 1e-28F;
+
+HWY_INLINE HWY_ATTR FloatVec over_square(FloatVec weight, FloatVec distance2) {
+  const Floats d;
+  return hn::IfThenElseZero(hn::Gt(weight, hn::Zero(d)),
+                            hn::Div(weight, hn::Max(distance2, hn::Set(d, kLeastDistance2))));
+}
+HWY_INLINE HWY_ATTR float total_of(const FloatVec (&parts)[kParts]) {
+  const Floats d;
+  auto sum = parts[0];
+  for (std::size_t k = 1; k < kParts; ++k) sum = hn::Add(sum, parts[k]);
+  return hn::GetLane(hn::SumOfLanes(d, sum));
+}
+
+HWY_INLINE HWY_ATTR void near_and_far(const Views& views, Chances& out) {
+  const Floats d;
+  FloatVec near[kParts], far[kParts];
+  for (std::size_t k = 0; k < kParts; ++k) {
+    near[k] = over_square(views.weight[k], views.near2[k]);
+    far[k] = over_square(views.weight[k], views.far2[k]);
+  }
+  const float near_total = total_of(near), far_total = total_of(far);
+  if (!(near_total > 0.0F) || !(far_total > 0.0F)) return;
+  const auto near_scale = hn::Set(d, 0.5F / near_total), far_scale = hn::Set(d, 0.5F / far_total);
+  for (std::size_t k = 0; k < kParts; ++k) {
+    hn::Store(hn::MulAdd(near[k], near_scale, hn::Mul(far[k], far_scale)), d,
+              out.at + k * hn::Lanes(d));
+  }
+  out.total = 1.0F;
+}
+
+HWY_INLINE HWY_ATTR void near_or_intensity(const Views& views, const NodeBlock& block,
+                                           Chances& out) {
+  const Floats d;
+  FloatVec near[kParts];
+  bool by_intensity = false;
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const std::size_t lane = k * hn::Lanes(d);
+    const auto hx = hn::Load(d, block.half_x + lane), hy = hn::Load(d, block.half_y + lane),
+               hz = hn::Load(d, block.half_z + lane);
+    const auto half2 = hn::MulAdd(hx, hx, hn::MulAdd(hy, hy, hn::Mul(hz, hz)));
+    const auto diagonal2 = hn::Max(hn::Mul(hn::Set(d, 4.0F), half2), hn::Set(d, kLeastDistance2));
+    const auto live = hn::Gt(views.weight[k], hn::Zero(d));
+    by_intensity |= !hn::AllFalse(d, hn::And(live, hn::Lt(views.near2[k], diagonal2)));
+    near[k] = over_square(views.weight[k], views.near2[k]);
+  }
+  for (std::size_t k = 0; k < kParts; ++k) {
+    if (by_intensity) near[k] = views.weight[k];
+    hn::Store(near[k], d, out.at + k * hn::Lanes(d));
+  }
+  out.total = total_of(near);
+}
+
+/// How a walk may go on from `node`.
+struct Step {
+  std::size_t block, first, count;
+  int levels;
+};
+HWY_INLINE Step step_below(NodeId node, NodeId first_leaf) {
+  const int left = level_of(first_leaf) - level_of(node);
+  const int levels = left % 4 == 0 ? 4 : left % 4;
+  const NodeId child = node << levels;
+  return {child / kNodes, child % kNodes, std::size_t{1} << levels, levels};
+}
+
+/// Total 0: no light below can reach the receiver.
+HWY_INLINE HWY_ATTR void chances_below(const LightTree& tree, const Eye& eye, WeightRule rule,
+                                       const Step& step, Chances& out) {
+  const Floats d;
+  const NodeBlock& block = tree.blocks()[step.block];
+  Views views;
+  look(tree, eye, block, views);
+  const auto begin = hn::Set(d, static_cast<float>(step.first));
+  const auto end = hn::Set(d, static_cast<float>(step.first + step.count));
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const auto id = hn::Iota(d, static_cast<float>(k * hn::Lanes(d)));
+    const auto below = hn::And(hn::Ge(id, begin), hn::Lt(id, end));
+    views.weight[k] = hn::IfThenElseZero(below, views.weight[k]);
+  }
+  if (rule == WeightRule::NearAndFar) {
+    near_and_far(views, out);
+  } else {
+    near_or_intensity(views, block, out);
+  }
+}
+
+// ---- walks ----
+
+struct Picked {
+  std::size_t lane = 0;
+  float before = 0.0F;  ///< of the lanes before it
+};
+/// The lane whose stretch of the total holds u in [0, 1): first the four, then the one; comparisons
+/// are added up, since no branch could be foretold. A lane without a chance has no stretch.
+HWY_INLINE HWY_ATTR Picked pick(const Chances& chances, double u) {
+  const Floats d;
+  alignas(64) float sums[kNodes];  // within each four
+  for (std::size_t lane = 0; lane < kNodes; lane += hn::Lanes(d)) {
+    auto x = hn::Load(d, chances.at + lane);
+    x = hn::Add(x, hn::ShiftLeftLanes<1>(d, x));
+    hn::Store(hn::Add(x, hn::ShiftLeftLanes<2>(d, x)), d, sums + lane);
+  }
+  const auto target = static_cast<float>(u * static_cast<double>(chances.total));
+  const float four[4] = {0.0F, sums[3], sums[3] + sums[7], sums[3] + sums[7] + sums[11]};
+  const auto reached = [target](float x) { return static_cast<std::size_t>(target >= x); };
+  const std::size_t group = reached(four[1]) + reached(four[2]) + reached(four[3]);
+  const float* in_group = sums + 4 * group;
+  const float rest = target - four[group];
+  const auto passed = [rest](float x) { return static_cast<std::size_t>(rest >= x); };
+  std::size_t lane = 4 * group + passed(in_group[0]) + passed(in_group[1]) + passed(in_group[2]);
+  // Rounding may carry the target past the last stretch.
+  while (!(chances.at[lane] > 0.0F)) lane = (lane + kNodes - 1) % kNodes;
+  return {lane, four[lane / 4] + (lane % 4 == 0 ? 0.0F : sums[lane - 1])};
+}
+
+HWY_ATTR LeafChoice choose_leaf(const LightTree& tree, const Receiver& receiver, WeightRule rule,
+                                NodeId node, double u) {
+  const Eye eye(receiver);
+  double probability = 1.0;
+  while (!tree.is_leaf(node)) {
+    const Step step = step_below(node, tree.first_leaf());
+    Chances chances;
+    chances_below(tree, eye, rule, step, chances);
+    if (!(chances.total > 0.0F)) return {};
+    const Picked picked = pick(chances, u);
+    const double chance = chances.at[picked.lane], total = chances.total;
+    probability *= chance / total;
+    // What is left of u inside its stretch is uniform again.
+    constexpr double kBelowOne = 1.0 - 0x1p-53;
+    u = std::clamp((u * total - static_cast<double>(picked.before)) / chance, 0.0, kBelowOne);
+    node = static_cast<NodeId>(step.block * kNodes + picked.lane);
+  }
+  return {node, probability};
+}
+
+HWY_ATTR double leaf_probability(const LightTree& tree, const Receiver& receiver, WeightRule rule,
+                                 NodeId node, NodeId leaf) {
+  const Eye eye(receiver);
+  double probability = 1.0;
+  while (node != leaf) {
+    const Step step = step_below(node, tree.first_leaf());
+    Chances chances;
+    chances_below(tree, eye, rule, step, chances);
+    if (!(chances.total > 0.0F)) return 0.0;
+    node = leaf >> (level_of(leaf) - level_of(node) - step.levels);
+    probability *=
+        static_cast<double>(chances.at[node % kNodes]) / static_cast<double>(chances.total);
+  }
+  return probability;
+}
+
+HWY_ATTR NodeView view_of(const LightTree& tree, const Receiver& receiver, NodeId node) {
+  const Floats d;
+  Views views;
+  look(tree, Eye(receiver), tree.blocks()[node / kNodes], views);
+  alignas(64) float weight[kNodes], near[kNodes], far[kNodes];
+  for (std::size_t k = 0; k < kParts; ++k) {
+    hn::Store(views.weight[k], d, weight + k * hn::Lanes(d));
+    hn::Store(views.near2[k], d, near + k * hn::Lanes(d));
+    hn::Store(views.far2[k], d, far + k * hn::Lanes(d));
+  }
+  const std::size_t lane = node % kNodes;
+  return {weight[lane], near[lane], far[lane]};
+}
+
+// ---- the cut ----
+
+/// Of a heap: the largest bound on top, of equals the smaller id.
+bool is_less_urgent(const LightCut::Candidate& a, const LightCut::Candidate& b) {
+  return a.bound != b.bound ? a.bound < b.bound : a.node > b.node;
+}
+
+/// What every node of a block may send at most, in shares of the brightest light's intensity.
+HWY_INLINE HWY_ATTR const float* bounds_in(const LightTree& tree, const Eye& eye, NodeId block,
+                                           float least2, LightCut& cut) {
+  const Floats d;
+  LightCut::Seen& seen = cut.seen[block % cut.seen.size()];
+  if (seen.block == block) return seen.bound;
+  seen.block = block;
+  Views views;
+  look(tree, eye, tree.blocks()[block], views);
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const auto distance2 = hn::Max(views.near2[k], hn::Set(d, least2));
+    hn::Store(hn::Div(views.weight[k], distance2), d, seen.bound + k * hn::Lanes(d));
+  }
+  return seen.bound;
+}
+
+HWY_ATTR void cut_tree(const LightTree& tree, const Receiver& receiver, std::size_t most_nodes,
+                       LightCut& cut) {
+  cut.nodes.clear();
+  for (LightCut::Seen& seen : cut.seen) seen.block = LightCut::kNoBlock;
+  const Eye eye(receiver);
+  const float least = kLeastCutDistance * tree.radius_m();
+  const float least2 = std::max(least * least, kLeastDistance2);
+  std::vector<LightCut::Candidate>& heap = cut.candidates;
+  heap.clear();
+  const auto add = [&](NodeId node) {
+    const float bound = bounds_in(tree, eye, node / kNodes, least2, cut)[node % kNodes];
+    if (!(bound > 0.0F)) return;
+    if (tree.is_leaf(node)) {
+      cut.nodes.push_back(node);
+      return;
+    }
+    heap.push_back({bound, node});
+    std::push_heap(heap.begin(), heap.end(), is_less_urgent);
+  };
+  add(1);
+  while (!heap.empty() && cut.nodes.size() + heap.size() < most_nodes) {
+    std::pop_heap(heap.begin(), heap.end(), is_less_urgent);
+    const NodeId split = heap.back().node;
+    heap.pop_back();
+    add(2 * split);
+    add(2 * split + 1);
+  }
+  for (const LightCut::Candidate& left : heap) cut.nodes.push_back(left.node);
+}
+
+}  // namespace macula::lights::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace macula::lights {
+
+HWY_EXPORT(choose_leaf);
+HWY_EXPORT(leaf_probability);
+HWY_EXPORT(view_of);
+HWY_EXPORT(cut_tree);
+
+LightWalk::LightWalk(const LightTree& tree, const Receiver& receiver, WeightRule rule)
+    : tree_(tree), receiver_(receiver), rule_(rule) {}
+
+void LightWalk::cut(std::size_t most_nodes, LightCut& cut) const {
+  HWY_DYNAMIC_DISPATCH(cut_tree)(tree_, receiver_, most_nodes, cut);
+}
+
+LeafChoice LightWalk::choose(NodeId node, double u) const {
+  return HWY_DYNAMIC_DISPATCH(choose_leaf)(tree_, receiver_, rule_, node, u);
+}
+
+double LightWalk::probability(NodeId node, NodeId leaf) const {
+  return HWY_DYNAMIC_DISPATCH(leaf_probability)(tree_, receiver_, rule_, node, leaf);
+}
+
+NodeView LightWalk::view(NodeId node) const {
+  return HWY_DYNAMIC_DISPATCH(view_of)(tree_, receiver_, node);
+}
+
+}  // namespace macula::lights
+#endif
