@@ -214,28 +214,29 @@ class Compiler {
     return guarded(node, frame, period, inner, point, lipschitz);
   }
 
-  /// Without alternation neighbouring cells do not meet: what lies in them keeps to `half`, and no
-  /// step leads past the nearest point of a neighbour's content.
+  /// Without alternation neighbouring cells do not meet: what lies in them is cut off at `half`,
+  /// and no step leads past the nearest point of a neighbour's content, which is at least the gap
+  /// along a repeated axis, and at least as far as the content's extent along the others, away.
   std::uint32_t guarded(const Node& node, const Frame& frame, const DVec3& period,
                         std::uint32_t inner, std::uint32_t point, double lipschitz) {
     constexpr double kNever = 1e30;
-    DVec3 half{kNever}, apart{kNever};
+    DVec3 reach{0.0}, half{kNever}, other{kNever}, apart{kNever};
     for (const std::uint32_t child : node.children) {
       const Extent each = extent_of(field_, child, time_s_);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!(period[axis] > 0.0)) continue;
-        const double reach =
-            frame.scale * std::max(std::abs(each.low[axis]), std::abs(each.high[axis]));
-        const double before = half[axis] == kNever ? 0.0 : half[axis];
-        half[axis] = std::max(before, std::min(reach, kCellShare * period[axis]));
-      }
+      reach = glm::max(reach, frame.scale * glm::max(glm::abs(each.low), glm::abs(each.high)));
     }
     for (int axis = 0; axis < 3; ++axis) {
-      if (period[axis] > 0.0) apart[axis] = 0.5 * period[axis] - half[axis];
+      if (period[axis] > 0.0) {
+        half[axis] = std::min(reach[axis], kCellShare * period[axis]);
+        apart[axis] = 0.5 * period[axis] - half[axis];
+      } else {
+        other[axis] = std::min(reach[axis], kNever);
+      }
     }
     const DVec3 wall = 0.5 * period;
     return emit(Op::RepeatGuard, inner, point, lipschitz,
-                {half.x, half.y, half.z, wall.x, wall.y, wall.z, apart.x, apart.y, apart.z});
+                {half.x, half.y, half.z, wall.x, wall.y, wall.z, apart.x, apart.y, apart.z, other.x,
+                 other.y, other.z});
   }
 
   std::uint32_t mirror(const Node& node, const Frame& frame, double lipschitz,

@@ -141,7 +141,7 @@ std::size_t operations_of(const Tape& tape) {
       case Op::Noise:
         return 8 + 135 * static_cast<std::size_t>(op.constants[5]);
       case Op::RepeatGuard:
-        return 18;
+        return 25;
       case Op::RadiusGuard:
         return 9;
     }

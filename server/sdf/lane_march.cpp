@@ -17,57 +17,40 @@ class SlabMarch {
     limits_.slab_low = slab.low, limits_.slab_high = slab.high;
   }
 
+  // A page is marched until half its lanes have ended; the rest joins other lanes in a new page.
   std::uint64_t run() {
     const Tape& tape = s_.block_slabs.tape_of(slab_);
-    // Lanes that step back may come to wait here again while the slab is worked on.
     std::uint64_t evaluations = 0;
-    while (fill()) {
-      positions(s_.chunk, count_, s_.points);
-      std::size_t live = count_;
+    while (!slab_.waiting.empty()) {
+      const Page page = slab_.waiting.take();
+      positions(*page.lanes, page.count, s_.points);
+      std::size_t live = page.count;
       do {
-        evaluate(tape, s_.points, count_, s_.registers, s_.distances);
+        evaluate(tape, s_.points, page.count, s_.registers, s_.distances);
         evaluations += live;
-        live = advance(stepping_, s_.chunk, count_, s_.distances, limits_, s_.points);
-      } while (4 * live > 3 * count_);
-      retire();
+        live = advance(stepping_, *page.lanes, page.count, s_.distances, limits_, s_.points);
+      } while (2 * live > page.count);
+      for (std::size_t i = 0; i < page.count; ++i) leave(*page.lanes, i);
+      s_.pool.give(page.lanes);
     }
     return evaluations;
   }
 
  private:
-  bool fill() {
-    while (count_ < kBatch && !slab_.waiting.empty()) {
-      const std::uint32_t id = slab_.waiting.back();
-      slab_.waiting.pop_back();
-      s_.chunk.load(count_++, s_.lanes[id], id);
-    }
-    return count_ > 0;
-  }
-  void retire() {
-    for (std::size_t i = 0; i < count_;) {
-      if (s_.chunk.state[i] == static_cast<std::int32_t>(LaneState::Live)) {
-        ++i;
-        continue;
-      }
-      leave(i);
-      --count_;
-      if (i < count_) s_.chunk.move(count_, i);
-    }
-  }
-  void leave(std::size_t i) {
-    const std::uint32_t id = s_.chunk.id[i];
-    Lane& lane = s_.lanes[id];
-    s_.chunk.save(i, lane);
-    if (lane.state == LaneState::Hit) slab_.hits.push_back(id);
-    if (lane.state == LaneState::Left)
-      s_.block_slabs.of(lane.at, s_.registers).waiting.push_back(id);
+  void leave(const Chunk& lanes, std::size_t i) {
+    const auto state = static_cast<LaneState>(lanes.state[i]);
+    if (state == LaneState::Live) return slab_.waiting.push(lanes, i, s_.pool);
+    if (state == LaneState::Left)
+      return s_.block_slabs.of(lanes.at[i], s_.registers).waiting.push(lanes, i, s_.pool);
+    const std::uint32_t id = lanes.id[i];
+    s_.results[id] = {lanes.at[i], static_cast<std::uint16_t>(lanes.steps[i]), state};
+    if (state == LaneState::Hit) slab_.hits.push_back(id);
   }
 
   Stepping stepping_;
   MarchLimits limits_;
   TraceScratch& s_;
   Slab& slab_;
-  std::size_t count_ = 0;
 };
 
 class SurfaceFinder {
@@ -80,8 +63,8 @@ class SurfaceFinder {
     for (std::size_t first = 0; first < slab.hits.size(); first += kBatch) {
       const std::size_t count = std::min(kBatch, slab.hits.size() - first);
       for (std::size_t i = 0; i < count; ++i) {
-        const Lane& lane = s_.lanes[slab.hits[first + i]];
-        s_.points.set(i, lane.at * Vec3(lane.x, lane.y, lane.z));
+        const std::uint32_t id = slab.hits[first + i];
+        s_.points.set(i, s_.results[id].at * s_.rays[id]);
       }
       evaluate_surface(tape, s_.points, count, s_.registers, s_.surfaces);
       for (std::size_t i = 0; i < count; ++i) take(i, slab.hits[first + i]);
@@ -90,7 +73,7 @@ class SurfaceFinder {
 
  private:
   void take(std::size_t i, std::uint32_t id) {
-    const Lane& lane = s_.lanes[id];
+    const float at = s_.results[id].at;
     Hit& hit = hits_[id];
     const Vec3 gradient{s_.surfaces.x[i], s_.surfaces.y[i], s_.surfaces.z[i]};
     const float length = glm::length(gradient);
@@ -99,9 +82,9 @@ class SurfaceFinder {
     hit.normal = usable ? gradient / length : -hit.direction;
     hit.material = s_.surfaces.material[i];
     const float falls = -glm::dot(gradient, hit.direction);
-    const float reach = kNewtonReach * (lane.width * lane.at + hit_m_);
+    const float reach = kNewtonReach * (s_.widths[id] * at + hit_m_);
     const float rest = s_.surfaces.distance[i] / std::max(falls, 1e-3F);
-    if (std::isfinite(rest)) hit.t = std::max(0.0F, lane.at + std::clamp(rest, -reach, reach));
+    if (std::isfinite(rest)) hit.t = std::max(0.0F, at + std::clamp(rest, -reach, reach));
   }
 
   float hit_m_;
@@ -111,28 +94,37 @@ class SurfaceFinder {
 
 }  // namespace
 
-void march(Stepping stepping, MarchLimits limits, TraceScratch& scratch, std::uint64_t& evaluations,
-           std::uint64_t& operations) {
-  for (std::uint32_t id = 0; id < scratch.lanes.size(); ++id) {
-    const Lane& lane = scratch.lanes[id];
-    if (lane.state == LaneState::Live)
-      scratch.block_slabs.of(lane.at, scratch.registers).waiting.push_back(id);
-  }
+MarchWork march(Stepping stepping, MarchLimits limits, TraceScratch& scratch) {
+  MarchWork work;
   while (Slab* slab = scratch.block_slabs.nearest_waiting()) {
     const std::uint64_t done = SlabMarch(stepping, limits, scratch, *slab).run();
-    evaluations += done;
-    operations += done * slab->operations;
+    work.evaluations += done;
+    work.operations += done * slab->operations;
   }
+  return work;
 }
 
-void find_surfaces(float hit_m, TraceScratch& scratch, std::vector<Hit>& hits,
-                   TraceCounts& counts) {
+MarchWork find_surfaces(float hit_m, TraceScratch& scratch, std::vector<Hit>& hits) {
+  MarchWork work;
   SurfaceFinder finder(hit_m, scratch, hits);
   scratch.block_slabs.each_with_hits([&](Slab& slab) {
     finder.run(slab);
-    counts.surface_evaluations += slab.hits.size();
+    work.evaluations += slab.hits.size();
+    work.operations += slab.hits.size() * slab.operations;
     slab.hits.clear();
   });
+  return work;
+}
+
+void Directions::resize(std::size_t count) {
+  const std::size_t padded = (count + 15) / 16 * 16;
+  tangent_x = block_.at_least(5 * padded);
+  tangent_y = tangent_x + padded;
+  x = tangent_y + padded, y = x + padded, z = y + padded;
+}
+
+void Directions::point_along(std::size_t count, const Mat3& scene_from_view) {
+  directions(tangent_x, tangent_y, count, scene_from_view, {x, y, z});
 }
 
 }  // namespace macula::sdf

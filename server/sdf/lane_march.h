@@ -6,14 +6,17 @@
 
 namespace macula::sdf {
 
-/// Every lane of scratch.lanes from where it stands, with the tapes of scratch.block_slabs.
-/// `limits` are those of rays; the slabs' ranges are filled in. Adds to `evaluations` and
-/// `operations`. Hits are left in their slabs.
-void march(Stepping stepping, MarchLimits limits, TraceScratch& scratch, std::uint64_t& evaluations,
-           std::uint64_t& operations);
+/// Work of one kind.
+struct MarchWork {
+  std::uint64_t evaluations = 0, operations = 0;
+};
 
-/// Normal and material of every hit lane into hits[lane]; moves its t onto the surface by one
-/// Newton step along the ray of a few hit distances at most.
-void find_surfaces(float hit_m, TraceScratch& scratch, std::vector<Hit>& hits, TraceCounts& counts);
+/// Every lane that waits in scratch.block_slabs, with their tapes; lane `id` ends in
+/// scratch.results[id]. `limits` but for the slabs' ranges. Hits are left in their slabs.
+MarchWork march(Stepping stepping, MarchLimits limits, TraceScratch& scratch);
+
+/// Normal and material of every hit lane into hits[id]; moves its t onto the surface by one Newton
+/// step along the ray of a few hit distances at most. `hit_m` as in TraceOptions.
+MarchWork find_surfaces(float hit_m, TraceScratch& scratch, std::vector<Hit>& hits);
 
 }  // namespace macula::sdf

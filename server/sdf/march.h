@@ -22,30 +22,17 @@ enum class LaneState : std::int32_t {
   Broken,
 };
 
-struct Lane {
-  float x = 0.0F, y = 0.0F, z = 0.0F;  ///< unit direction
-  float at = 0.0F;                     ///< where the field is asked next
-  float t = 0.0F;                      ///< free up to here
-  float radius = 0.0F;                 ///< the distance found at t
-  float slope = -1.0F;                 ///< how the distance changes along the ray, smoothed
-  float width = 0.0F;  ///< ray: hit distance at unit t. Cone: sine of the half-angle
-  float half = 0.0F;   ///< cone: sine of half the half-angle
-  std::int32_t steps = 0;
-  LaneState state = LaneState::Live;
-  float padding = 0.0F;
-};
-static_assert(sizeof(Lane) == 48);
-
-/// kBatch lanes, field by field.
+/// A page of kBatch lanes, field by field.
 struct alignas(64) Chunk {
-  float x[kBatch], y[kBatch], z[kBatch];
-  float at[kBatch], t[kBatch], radius[kBatch], slope[kBatch], width[kBatch], half[kBatch];
+  float x[kBatch], y[kBatch], z[kBatch];  ///< unit direction
+  float at[kBatch];                       ///< where the field is asked next
+  float t[kBatch];                        ///< free up to here
+  float radius[kBatch];                   ///< the distance found at t
+  float slope[kBatch];                    ///< how the distance changes along the ray, smoothed
+  float width[kBatch];  ///< ray: hit distance at unit t. Cone: sine of the half-angle
+  float half[kBatch];   ///< cone: sine of half the half-angle
   std::int32_t steps[kBatch], state[kBatch];
   std::uint32_t id[kBatch];
-
-  void load(std::size_t i, const Lane& lane, std::uint32_t lane_id);
-  void save(std::size_t i, Lane& lane) const;
-  void move(std::size_t from, std::size_t to);
 };
 
 struct MarchLimits {
@@ -53,6 +40,15 @@ struct MarchLimits {
   float far_m = 0.0F, hit_m = 0.0F;
   std::int32_t max_steps = 0;
 };
+
+/// Where unit directions go: planes at a vector's alignment.
+struct DirectionPlanes {
+  float *x, *y, *z;
+};
+/// Through points of the tangent plane (frames.h), `scene_from_view` a rotation. All planes are
+/// aligned and padded to a multiple of 16 entries.
+void directions(const float* tangent_x, const float* tangent_y, std::size_t count,
+                const Mat3& scene_from_view, const DirectionPlanes& out);
 
 /// Where the chunk's lanes ask next.
 void positions(const Chunk& chunk, std::size_t count, PointBatch& out);

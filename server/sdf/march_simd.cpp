@@ -42,6 +42,25 @@ HWY_ATTR void positions_vectors(const Chunk& chunk, std::size_t count, PointBatc
   for (std::size_t i = 0; i < count; i += hn::Lanes(Floats())) write_positions(chunk, i, out);
 }
 
+HWY_ATTR void direction_vectors(const float* tangent_x, const float* tangent_y, std::size_t count,
+                                const Mat3& m, const DirectionPlanes& out) {
+  const Floats d;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto u = hn::Load(d, tangent_x + i), v = hn::Load(d, tangent_y + i);
+    const auto square = hn::MulAdd(u, u, hn::MulAdd(v, v, set(1.0F)));
+    const auto inverse = hn::Div(set(1.0F), hn::Sqrt(square));
+    // m (u, -v, -1), columns of m; frames.h: the tangent's y points down.
+    const auto axis = [&](int row) HWY_ATTR {
+      const auto sum =
+          hn::NegMulAdd(set(m[1][row]), v, hn::Sub(hn::Mul(set(m[0][row]), u), set(m[2][row])));
+      return hn::Mul(sum, inverse);
+    };
+    hn::Store(axis(0), d, out.x + i);
+    hn::Store(axis(1), d, out.y + i);
+    hn::Store(axis(2), d, out.z + i);
+  }
+}
+
 /// One vector of lanes while it is moved.
 struct Moving {
   Chunk& chunk;
@@ -168,32 +187,18 @@ HWY_AFTER_NAMESPACE();
 namespace macula::sdf {
 
 HWY_EXPORT(positions_vectors);
+HWY_EXPORT(direction_vectors);
 HWY_EXPORT(advance_plain);
 HWY_EXPORT(advance_relaxed);
 HWY_EXPORT(advance_cones);
 
-void Chunk::load(std::size_t i, const Lane& lane, std::uint32_t lane_id) {
-  x[i] = lane.x, y[i] = lane.y, z[i] = lane.z;
-  at[i] = lane.at, t[i] = lane.t, radius[i] = lane.radius, slope[i] = lane.slope;
-  width[i] = lane.width, half[i] = lane.half;
-  steps[i] = lane.steps, state[i] = static_cast<std::int32_t>(LaneState::Live);
-  id[i] = lane_id;
-}
-
-void Chunk::save(std::size_t i, Lane& lane) const {
-  lane.at = at[i], lane.t = t[i], lane.radius = radius[i], lane.slope = slope[i];
-  lane.steps = steps[i], lane.state = static_cast<LaneState>(state[i]);
-}
-
-void Chunk::move(std::size_t from, std::size_t to) {
-  x[to] = x[from], y[to] = y[from], z[to] = z[from];
-  at[to] = at[from], t[to] = t[from], radius[to] = radius[from], slope[to] = slope[from];
-  width[to] = width[from], half[to] = half[from];
-  steps[to] = steps[from], state[to] = state[from], id[to] = id[from];
-}
-
 void positions(const Chunk& chunk, std::size_t count, PointBatch& out) {
   HWY_DYNAMIC_DISPATCH(positions_vectors)(chunk, count, out);
+}
+
+void directions(const float* tangent_x, const float* tangent_y, std::size_t count,
+                const Mat3& scene_from_view, const DirectionPlanes& out) {
+  HWY_DYNAMIC_DISPATCH(direction_vectors)(tangent_x, tangent_y, count, scene_from_view, out);
 }
 
 std::size_t advance(Stepping stepping, Chunk& chunk, std::size_t count, const DistanceBatch& found,

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "server/sdf/march.h"
+#include "server/sdf/lane_queue.h"
 #include "server/sdf/slabs.h"
 #include "server/sdf/tracer.h"
 
@@ -15,16 +15,39 @@ struct ConeCell {
   bool open = false;   ///< some wanted cell is in it and it may yet hit something
 };
 
+/// How a lane ended.
+struct LaneResult {
+  float at = 0.0F;
+  std::uint16_t steps = 0;
+  LaneState state = LaneState::Miss;
+};
+
+/// Unit directions of the lanes of a block, by plane; grown but never shrunk.
+class Directions {
+ public:
+  /// Room for this many; what was in it is lost.
+  void resize(std::size_t count);
+  /// Overwrites the tangents' directions: frames.h, `scene_from_view` a rotation.
+  void point_along(std::size_t count, const Mat3& scene_from_view);
+  Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
+
+  float *tangent_x = nullptr, *tangent_y = nullptr;
+  float *x = nullptr, *y = nullptr, *z = nullptr;
+
+ private:
+  AlignedFloats block_;
+};
+
 struct TraceScratch {
   Registers registers;
+  PagePool pool;
   Slabs tile_slabs, block_slabs;
-  Chunk chunk{};
   PointBatch points{};
   DistanceBatch distances{};
   SurfaceBatch surfaces{};
-  std::vector<Lane> lanes;
-  std::vector<std::uint32_t> cells;    ///< which cell of its level a cone's lane is
-  std::vector<Vec3> corners;           ///< unit directions of the block's cell corners
+  Directions corners, rays;            ///< of the block's cell corners, and of its samples
+  std::vector<float> widths;           ///< of rays: hit distance at unit t
+  std::vector<LaneResult> results;     ///< by lane
   std::vector<std::uint8_t> wanted;    ///< by cell of the block
   std::vector<ConeCell> outer, inner;  ///< two levels of the pyramid
   HitBlock block;

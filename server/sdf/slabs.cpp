@@ -13,7 +13,10 @@ namespace {
 /// Depths below far * 2^-kOctaves share one slab.
 constexpr int kOctaves = 40;
 /// A slab is about this many times as long as its cone is wide there.
-constexpr float kLengthOverWidth = 2.0F;
+constexpr float kLengthOverWidth = 3.0F;
+
+/// What costs a point no more operations than this is not pruned further.
+constexpr std::size_t kCheapEnough = 60;
 
 std::uint32_t bits(float t) {
   return std::bit_cast<std::uint32_t>(t);
@@ -37,7 +40,6 @@ Cone cone_around(std::span<const Vec3> directions) {
 // Slabs of equal share of an octave: the exponent and the first bits of the mantissa of t.
 void Slabs::reset(const Program& program, Slabs* outer, const Cone& cone, Pruning pruning) {
   program_ = &program, outer_ = outer, cone_ = cone, pruning_ = pruning;
-  for (std::size_t i = 0; i < count_; ++i) slabs_[i].waiting.clear(), slabs_[i].hits.clear();
   count_ = 0;
   prunings_ = 0;
   const float share = kLengthOverWidth * 2.0F * cone.half;
@@ -72,6 +74,7 @@ Slab& Slabs::make(std::uint32_t key, Registers& registers) {
   slab.low = key == first_key_ ? 0.0F : std::bit_cast<float>(key << shift_);
   slab.high = std::bit_cast<float>((key + 1) << shift_);
   slab.tape.ops.clear();
+  slab.shared = nullptr;
   if (pruning_ == Pruning::None) {
     slab.low = 0.0F, slab.high = std::numeric_limits<float>::infinity();
     slab.code = program_->code;
@@ -82,8 +85,16 @@ Slab& Slabs::make(std::uint32_t key, Registers& registers) {
 }
 
 void Slabs::prune(Slab& slab, Registers& registers) {
-  const std::vector<Instruction>& from =
-      outer_ ? outer_->of(slab.low, registers).code : program_->code;
+  Slab* const outer = outer_ ? &outer_->of(slab.low, registers) : nullptr;
+  if (outer) {
+    outer_->tape_of(*outer);
+    if (outer->operations <= kCheapEnough) {
+      slab.shared = outer;
+      slab.operations = outer->operations;
+      return;
+    }
+  }
+  const std::vector<Instruction>& from = outer ? outer->code : program_->code;
   const float low = slab.low * 0.9999F, high = slab.high * 1.0001F, middle = 0.5F * (low + high);
   // |t v - m c|^2 = (t - m)^2 + 4 t m sin^2(th / 2) is largest at the far rim.
   const float along = high - middle, across = 2.0F * cone_.half;
@@ -96,6 +107,7 @@ void Slabs::prune(Slab& slab, Registers& registers) {
 }
 
 const Tape& Slabs::tape_of(Slab& slab) {
+  if (slab.shared) return slab.shared->tape;
   if (slab.tape.ops.empty()) {
     slab.tape = make_tape(slab.code, program_->constants);
     slab.operations = operations_of(slab.tape);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/sdf/evaluate.h"
+#include "server/sdf/lane_queue.h"
 #include "server/sdf/program.h"
 #include "server/sdf/tape.h"
 
@@ -29,10 +30,11 @@ struct Slab {
   std::uint32_t key = 0;          ///< grows with depth
   float low = 0.0F, high = 0.0F;  ///< t in [low, high)
   std::vector<Instruction> code;
-  Tape tape;                           ///< empty until tape_of asks for it
-  std::size_t operations = 0;          ///< of the tape, a point
-  std::vector<std::uint32_t> waiting;  ///< lanes to march here
-  std::vector<std::uint32_t> hits;     ///< lanes that hit here
+  Tape tape;                        ///< empty until tape_of asks for it
+  Slab* shared = nullptr;           ///< whose code and tape serve this one too, or null
+  std::size_t operations = 0;       ///< of the tape, a point
+  LaneQueue waiting;                ///< lanes to march here
+  std::vector<std::uint32_t> hits;  ///< lanes that hit here
 };
 
 class Slabs {

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "server/sdf/lane_march.h"
-#include "server/sdf/scratch.h"
+#include "server/sdf/ray_block.h"
 #include "shared/base/check.h"
 #include "shared/base/text.h"
 
@@ -13,9 +11,10 @@ namespace macula::sdf {
 namespace {
 
 constexpr int kMaxSamples = 16;
+constexpr int kMaxLevel = 32;
 
 bool is_level(int side) {
-  return side >= 1 && side <= kBlockSide && (side & (side - 1)) == 0;
+  return side >= 1 && side <= kMaxLevel && (side & (side - 1)) == 0;
 }
 
 /// i's bits mirrored at the point, in base 2.
@@ -64,10 +63,11 @@ class TileTrace {
 
   TraceCounts run(const image::Rect& tile, const Tracer::Done& done) {
     if (prunes()) s_.tile_slabs.reset(program_, nullptr, cone_of(tile), Slabs::Pruning::ByDepth);
-    for (int y = 0; y < tile.height; y += kBlockSide) {
-      for (int x = 0; x < tile.width; x += kBlockSide) {
-        block_ = {tile.x + x, tile.y + y, std::min(kBlockSide, tile.width - x),
-                  std::min(kBlockSide, tile.height - y)};
+    const int side = options_.samples > 2 ? kBlockSide / 2 : kBlockSide;
+    for (int y = 0; y < tile.height; y += side) {
+      for (int x = 0; x < tile.width; x += side) {
+        block_ = {tile.x + x, tile.y + y, std::min(side, tile.width - x),
+                  std::min(side, tile.height - y)};
         if (take_wanted()) trace_block(done);
       }
     }
@@ -116,55 +116,74 @@ class TileTrace {
     start_side_ = 0;
     if (options_.method == Method::Cones) march_cones();
     make_rays();
-    march(prunes() ? Stepping::Relaxed : Stepping::Plain, limits_, s_, counts_.ray_evaluations,
-          counts_.operations);
-    take_results();
-    find_surfaces(limits_.hit_m, s_, s_.block.hits, counts_);
+    count(march(prunes() ? Stepping::Relaxed : Stepping::Plain, limits_, s_),
+          counts_.ray_evaluations);
+    take_results(s_, counts_);
+    count(find_surfaces(limits_.hit_m, s_, s_.block.hits), counts_.surface_evaluations);
     if (prunes()) counts_.prunings += s_.block_slabs.prunings();
     s_.block.cells = block_;
     done(s_.block);
+  }
+  void count(const MarchWork& work, std::uint64_t& evaluations) {
+    evaluations += work.evaluations;
+    counts_.operations += work.operations;
   }
 
   // ---- cones ----
 
   void march_cones() {
+    make_corners();
     for (const int side : options_.levels) {
       if (side > 1 || options_.samples == 1) march_level(side);
     }
     if (options_.samples > 1) march_level(1);
   }
 
+  void make_corners() {
+    const auto columns = static_cast<std::size_t>(block_.width) + 1;
+    const std::size_t corners = columns * (static_cast<std::size_t>(block_.height) + 1);
+    s_.corners.resize(corners);
+    const auto left = static_cast<std::size_t>(block_.x), top = static_cast<std::size_t>(block_.y);
+    for (std::size_t i = 0; i < corners; ++i) {
+      s_.corners.tangent_x[i] = grid_.x_edges[left + i % columns];
+      s_.corners.tangent_y[i] = grid_.y_edges[top + i / columns];
+    }
+    s_.corners.point_along(corners, scene_from_view_);
+  }
+
   void march_level(int side) {
     const int columns = (block_.width + side - 1) / side, rows = (block_.height + side - 1) / side;
     s_.inner.assign(static_cast<std::size_t>(columns * rows), ConeCell{});
-    s_.lanes.clear();
-    s_.cells.clear();
+    s_.results.resize(std::max(s_.results.size(), s_.inner.size()));
     for (int row = 0; row < rows; ++row) {
-      for (int column = 0; column < columns; ++column) add_cone(side, column, row, columns);
+      for (int column = 0; column < columns; ++column)
+        add_cone(side, column, row, static_cast<std::uint32_t>(row * columns + column));
     }
-    march(Stepping::Cone, limits_, s_, counts_.cone_evaluations, counts_.operations);
-    for (std::size_t i = 0; i < s_.lanes.size(); ++i) {
-      ConeCell& cell = s_.inner[s_.cells[i]];
-      cell.start = s_.lanes[i].at;
-      cell.open = s_.lanes[i].state != LaneState::Miss;
+    count(march(Stepping::Cone, limits_, s_), counts_.cone_evaluations);
+    for (std::size_t i = 0; i < s_.inner.size(); ++i) {
+      ConeCell& cell = s_.inner[i];
+      if (!cell.open) continue;
+      cell.start = s_.results[i].at;
+      cell.open = s_.results[i].state != LaneState::Miss;
     }
     std::swap(s_.inner, s_.outer);
     start_side_ = side;
   }
 
-  void add_cone(int side, int column, int row, int columns) {
-    const image::Rect cells{column * side, row * side, std::min(side, block_.width - column * side),
-                            std::min(side, block_.height - row * side)};
-    const ConeCell from = start_of(cells.x, cells.y);
-    if (!from.open || !any_wanted(cells)) return;
-    const Cone cone = cone_of({block_.x + cells.x, block_.y + cells.y, cells.width, cells.height});
-    Lane lane;
-    lane.x = cone.axis.x, lane.y = cone.axis.y, lane.z = cone.axis.z;
-    lane.at = from.start;
-    lane.width = cone.sine();
-    lane.half = cone.half;
-    s_.lanes.push_back(lane);
-    s_.cells.push_back(static_cast<std::uint32_t>(row * columns + column));
+  void add_cone(int side, int column, int row, std::uint32_t id) {
+    const int x = column * side, y = row * side;
+    const int right = std::min(x + side, block_.width), bottom = std::min(y + side, block_.height);
+    const ConeCell from = start_of(x, y);
+    if (!from.open || !any_wanted({x, y, right - x, bottom - y})) return;
+    const auto corner = [this](int i, int j) {
+      return s_.corners[static_cast<std::size_t>(j * (block_.width + 1) + i)];
+    };
+    const Vec3 corners[4] = {corner(x, y), corner(right, y), corner(x, bottom),
+                             corner(right, bottom)};
+    const Cone cone = cone_around(corners);
+    s_.inner[id].open = true;
+    s_.block_slabs.of(from.start, s_.registers)
+        .waiting.push(cone.axis, from.start, cone.sine(), cone.half, id, s_.pool);
   }
   bool any_wanted(const image::Rect& cells) const {
     if (!mask_) return true;
@@ -184,63 +203,18 @@ class TileTrace {
 
   // ---- rays ----
 
+  /// The rays of a cell start where its cone stopped.
   void make_rays() {
-    s_.lanes.clear();
-    s_.block.hits.clear();
-    for (int y = 0; y < block_.height; ++y) {
-      for (int x = 0; x < block_.width; ++x) {
-        if (wanted(x, y)) add_rays(x, y);
-      }
+    const std::size_t rays =
+        aim_rays({grid_, scene_from_view_, block_, options_.samples, options_.hit_pixels}, s_);
+    const auto samples = static_cast<std::size_t>(options_.samples);
+    for (std::size_t i = 0; i < rays; i += samples) {
+      const Hit& hit = s_.block.hits[i];
+      const ConeCell from = start_of(hit.x - block_.x, hit.y - block_.y);
+      if (from.open) send_rays(i, samples, from.start, s_);
+      if (!from.open) drop_rays(i, samples, s_);
     }
-    counts_.rays += s_.lanes.size();
-  }
-  void add_rays(int x, int y) {
-    const ConeCell from = start_of(x, y);
-    const int column = block_.x + x, row = block_.y + y;
-    const Vec2 size = grid_.footprint(column, row);
-    for (int i = 0; i < options_.samples; ++i) {
-      const Vec2 at = sample_offset(i, options_.samples);
-      const Vec2 tangent = grid_.tangent(column, row, at.x, at.y);
-      Hit& hit = s_.block.hits.emplace_back();
-      hit.direction = direction(tangent);
-      hit.x = static_cast<std::uint16_t>(column), hit.y = static_cast<std::uint16_t>(row);
-      hit.sample = static_cast<std::uint8_t>(i);
-      Lane& lane = s_.lanes.emplace_back();
-      lane.x = hit.direction.x, lane.y = hit.direction.y, lane.z = hit.direction.z;
-      lane.at = lane.t = from.open ? from.start : limits_.far_m;
-      const float square = 1.0F + tangent.x * tangent.x + tangent.y * tangent.y;
-      lane.width = options_.hit_pixels * 0.5F * std::min(size.x, size.y) / square;
-      if (!from.open) lane.state = LaneState::Miss;
-    }
-  }
-
-  void take_results() {
-    for (std::size_t i = 0; i < s_.lanes.size(); ++i) {
-      const Lane& lane = s_.lanes[i];
-      Hit& hit = s_.block.hits[i];
-      hit.steps = static_cast<std::uint16_t>(lane.steps);
-      hit.t = lane.at;
-      hit.status = status_of(lane.state);
-      if (hit.status == RayStatus::Miss) hit.t = std::numeric_limits<float>::infinity();
-      if (hit.status == RayStatus::Inside) hit.normal = -hit.direction;
-      counts_.capped += hit.status == RayStatus::Capped;
-      counts_.inside += hit.status == RayStatus::Inside;
-      counts_.broken += hit.status == RayStatus::Broken;
-    }
-  }
-  static RayStatus status_of(LaneState state) {
-    switch (state) {
-      case LaneState::Hit:
-        return RayStatus::Hit;
-      case LaneState::Miss:
-        return RayStatus::Miss;
-      case LaneState::Inside:
-        return RayStatus::Inside;
-      case LaneState::Broken:
-        return RayStatus::Broken;
-      default:
-        return RayStatus::Capped;
-    }
+    counts_.rays += rays;
   }
 
   const PixelGrid& grid_;
@@ -265,7 +239,7 @@ Result<Tracer> Tracer::create(const Program& program, const DMat3& scene_from_vi
   for (std::size_t i = 0; i < options.levels.size(); ++i) {
     if (!is_level(options.levels[i]) || (i > 0 && options.levels[i] >= options.levels[i - 1])) {
       return base::bad_input("levels are not descending powers of two", "levels",
-                             base::concat("1 to ", kBlockSide));
+                             base::concat("1 to ", kMaxLevel));
     }
   }
   if (options.samples < 1 || options.samples > kMaxSamples)

@@ -27,7 +27,7 @@ enum class Method { Full, FullBest, Cones };
 
 struct TraceOptions {
   Method method = Method::Cones;
-  /// Cells a side of the groups that share a cone, descending powers of two up to kBlockSide. With
+  /// Cells a side of the groups that share a cone, descending powers of two up to 32. With
   /// more than one sample a cell's own cone follows by itself.
   std::vector<int> levels{16, 8, 4, 2};
   int samples = 1;  ///< rays a cell, 1..16, at sample_offset(i, samples)
@@ -79,7 +79,8 @@ struct TraceCounts {
   }
 };
 
-inline constexpr int kBlockSide = 32;
+/// Blocks are at most this large; a quarter of it with more than two samples a cell.
+inline constexpr int kBlockSide = 64;
 /// Tiles up to this side share what was pruned for them; a multiple of kBlockSide.
 inline constexpr int kTileSide = 128;
 

@@ -141,19 +141,22 @@ struct WavesWarp {
   }
 };
 
-// A repeated cell's guard (compile.cpp): half extents of the content, walls, and half the gap.
+// A repeated cell's guard (compile.cpp): half extents of the content along repeated axes, walls,
+// half gaps, and half extents along the other axes.
 struct RepeatGuardWarp {
-  Triple half, wall, apart;
+  Triple half, wall, apart, other;
   HWY_ATTR explicit RepeatGuardWarp(const float* k)
-      : half(triple(k)), wall(triple(k + 3)), apart(triple(k + 6)) {}
+      : half(triple(k)), wall(triple(k + 3)), apart(triple(k + 6)), other(triple(k + 9)) {}
   template <class N>
   HWY_INLINE HWY_ATTR N operator()(N distance, const Point<N>& p) const {
     const N x = absolute(p.x), y = absolute(p.y), z = absolute(p.z);
+    const N aside = greater(sub(x, other.x), greater(sub(y, other.y), sub(z, other.z)));
     const N outside = greater(sub(x, half.x), greater(sub(y, half.y), sub(z, half.z)));
     const N to_x = add(absolute(sub(x, wall.x)), apart.x),
             to_y = add(absolute(sub(y, wall.y)), apart.y),
             to_z = add(absolute(sub(z, wall.z)), apart.z);
-    return lesser(greater(distance, outside), lesser(to_x, lesser(to_y, to_z)));
+    const N neighbour = greater(lesser(to_x, lesser(to_y, to_z)), aside);
+    return lesser(greater(distance, greater(outside, aside)), neighbour);
   }
 };
 

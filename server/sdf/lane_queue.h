@@ -1,0 +1,85 @@
+// Lanes that wait to be marched, in pages that are marched where they lie. Inside server/sdf.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "server/sdf/march.h"
+
+namespace macula::sdf {
+
+/// Pages in no queue.
+class PagePool {
+ public:
+  Chunk* take() {
+    if (free_.empty()) {
+      all_.push_back(std::make_unique<Chunk>());
+      return all_.back().get();
+    }
+    Chunk* page = free_.back();
+    free_.pop_back();
+    return page;
+  }
+  void give(Chunk* page) { free_.push_back(page); }
+
+ private:
+  std::vector<std::unique_ptr<Chunk>> all_;
+  std::vector<Chunk*> free_;
+};
+
+struct Page {
+  Chunk* lanes = nullptr;
+  std::size_t count = 0;
+};
+
+class LaneQueue {
+ public:
+  bool empty() const { return pages_.empty(); }
+  /// A lane that nothing is known of yet but that everything before `at` is free.
+  void push(const Vec3& direction, float at, float width, float half, std::uint32_t id,
+            PagePool& pool) {
+    Chunk& c = room(pool);
+    const std::size_t i = last_++;
+    c.x[i] = direction.x, c.y[i] = direction.y, c.z[i] = direction.z;
+    c.at[i] = c.t[i] = at;
+    c.radius[i] = 0.0F, c.slope[i] = -1.0F;
+    c.width[i] = width, c.half[i] = half;
+    c.steps[i] = 0, c.state[i] = static_cast<std::int32_t>(LaneState::Live);
+    c.id[i] = id;
+  }
+  /// Lane j of a page goes on waiting here.
+  void push(const Chunk& from, std::size_t j, PagePool& pool) {
+    Chunk& c = room(pool);
+    const std::size_t i = last_++;
+    c.x[i] = from.x[j], c.y[i] = from.y[j], c.z[i] = from.z[j];
+    c.at[i] = from.at[j], c.t[i] = from.t[j];
+    c.radius[i] = from.radius[j], c.slope[i] = from.slope[j];
+    c.width[i] = from.width[j], c.half[i] = from.half[j];
+    c.steps[i] = from.steps[j], c.state[i] = static_cast<std::int32_t>(LaneState::Live);
+    c.id[i] = from.id[j];
+  }
+  /// The newest page; the queue must not be empty. Give it back to the pool afterwards.
+  Page take() {
+    const Page page{pages_.back(), last_};
+    pages_.pop_back();
+    last_ = pages_.empty() ? 0 : kBatch;
+    return page;
+  }
+  void clear(PagePool& pool) {
+    while (!empty()) pool.give(take().lanes);
+  }
+
+ private:
+  Chunk& room(PagePool& pool) {
+    if (pages_.empty() || last_ == kBatch) {
+      pages_.push_back(pool.take());
+      last_ = 0;
+    }
+    return *pages_.back();
+  }
+
+  std::vector<Chunk*> pages_;
+  std::size_t last_ = 0;  ///< lanes in the last page
+};
+
+}  // namespace macula::sdf
