@@ -1,42 +1,16 @@
 #include "server/shading/texture.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <span>
 
-#include "shared/image/tone.h"
+#include "server/shading/texel_codes.h"
 
 namespace macula::shading {
 namespace {
 
 using scene::ColorSpace;
 using scene::Wrap;
-
-using DecodeTable = std::array<float, 256>;
-
-const DecodeTable& decode_table(ColorSpace space) {
-  static const auto make = [](auto decode) {
-    DecodeTable table{};
-    for (std::size_t code = 0; code < table.size(); ++code) {
-      table[code] = decode(static_cast<float>(code) / 255.0F);
-    }
-    return table;
-  };
-  static const DecodeTable srgb = make([](float code) { return image::linear_from_srgb(code); });
-  static const DecodeTable linear = make([](float code) { return code; });
-  return space == ColorSpace::Srgb ? srgb : linear;
-}
-
-std::uint8_t quantise(float unit) {
-  return static_cast<std::uint8_t>(std::clamp(unit, 0.0F, 1.0F) * 255.0F + 0.5F);
-}
-
-image::Rgba8 encode(const Vec4& linear, ColorSpace space) {
-  const auto channel = [space](float value) {
-    return quantise(space == ColorSpace::Srgb ? image::srgb_from_linear(value) : value);
-  };
-  return {channel(linear.x), channel(linear.y), channel(linear.z), quantise(linear.w)};
-}
 
 /// Averages [first, last) of a row or column of texels; partly covered ends count by their share.
 struct Span {
@@ -61,42 +35,62 @@ float share(const Span& span, int i) {
   return i == 0 ? span.first_share : (i == span.count - 1 ? span.last_share : 1.0F);
 }
 
-std::vector<Vec4> box_reduce(const std::vector<Vec4>& from, int width, int height, int to_width,
-                             int to_height) {
-  std::vector<Vec4> to(static_cast<std::size_t>(to_width) * static_cast<std::size_t>(to_height));
-  for (int y = 0; y < to_height; ++y) {
-    const Span rows = covered_span(y, height, to_height);
-    for (int x = 0; x < to_width; ++x) {
-      const Span columns = covered_span(x, width, to_width);
-      Vec4 sum{0.0F};
-      float weight = 0.0F;
-      for (int j = 0; j < rows.count; ++j) {
-        for (int i = 0; i < columns.count; ++i) {
-          const float part = share(rows, j) * share(columns, i);
-          sum +=
-              part * from[static_cast<std::size_t>((rows.first + j) * width + columns.first + i)];
-          weight += part;
-        }
-      }
-      to[static_cast<std::size_t>(y * to_width + x)] = sum / weight;
+struct Size {
+  int width, height;
+  std::size_t area() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  bool is_even() const { return width % 2 == 0 && height % 2 == 0; }
+  Size halved() const { return {std::max(1, width / 2), std::max(1, height / 2)}; }
+};
+
+/// Texels of a level by row-major index.
+using Linear = std::vector<Vec4>;
+
+Vec4 decode(const image::Rgba8& p, const float* decoded) {
+  return {decoded[p.r], decoded[p.g], decoded[p.b], static_cast<float>(p.a) * (1.0F / 255.0F)};
+}
+
+template <class Texel>
+Vec4 box_average(const Span& rows, const Span& columns, int width, const Texel& texel) {
+  Vec4 sum{0.0F};
+  float weight = 0.0F;
+  for (int j = 0; j < rows.count; ++j) {
+    for (int i = 0; i < columns.count; ++i) {
+      const float part = share(rows, j) * share(columns, i);
+      sum += part * texel(static_cast<std::size_t>((rows.first + j) * width + columns.first + i));
+      weight += part;
     }
   }
-  return to;
+  return sum / weight;
 }
 
-std::vector<Vec4> decode_all(const image::Plane<image::Rgba8>& pixels, const float* decode) {
-  std::vector<Vec4> linear;
-  linear.reserve(pixels.size());
-  for (const image::Rgba8& p : pixels.pixels()) {
-    linear.emplace_back(decode[p.r], decode[p.g], decode[p.b], static_cast<float>(p.a) / 255.0F);
+/// The next level; texel(index) is one of this level. Even sizes, the common case, take the mean of
+/// four texels.
+template <class Texel>
+Linear reduce(Size from, const Texel& texel) {
+  const Size to = from.halved();
+  Linear result(to.area());
+  std::size_t out = 0;
+  for (int y = 0; y < to.height; ++y) {
+    const Span rows = covered_span(y, from.height, to.height);
+    for (int x = 0; x < to.width; ++x) {
+      const auto corner = static_cast<std::size_t>(2 * y) * static_cast<std::size_t>(from.width) +
+                          static_cast<std::size_t>(2 * x);
+      const std::size_t below = corner + static_cast<std::size_t>(from.width);
+      result[out++] =
+          from.is_even()
+              ? 0.25F * ((texel(corner) + texel(corner + 1)) + (texel(below) + texel(below + 1)))
+              : box_average(rows, covered_span(x, from.width, to.width), from.width, texel);
+    }
   }
-  return linear;
+  return result;
 }
 
-Vec4 mean_of(const std::vector<Vec4>& linear) {
+Vec4 mean_of(std::span<const image::Rgba8> texels, const float* decoded) {
   DVec4 sum{0.0};
-  for (const Vec4& value : linear) sum += DVec4(value);
-  return Vec4(sum / static_cast<double>(linear.size()));
+  for (const image::Rgba8& texel : texels) sum += DVec4(decode(texel, decoded));
+  return Vec4(sum / static_cast<double>(texels.size()));
 }
 
 /// Into [0, 1], exactly periodic for every representable coordinate.
@@ -125,32 +119,39 @@ int wrap_texel(int i, int size, Wrap wrap) {
 }  // namespace
 
 Texture::Texture(const image::Plane<image::Rgba8>& pixels, ColorSpace space)
-    : decode_(decode_table(space).data()) {
+    : decode_(TexelCodes::of(space).decoded()) {
   const bool blank = pixels.empty();
-  int width = blank ? 1 : pixels.width(), height = blank ? 1 : pixels.height();
-  std::vector<Vec4> linear = blank ? std::vector<Vec4>{Vec4{1.0F}} : decode_all(pixels, decode_);
-  side_texels_ = std::sqrt(static_cast<float>(width) * static_cast<float>(height));
-  mean_ = mean_of(linear);
-  append_level(linear, width, height, space);
-  while (width > 1 || height > 1) {
-    const int next_width = std::max(1, width / 2), next_height = std::max(1, height / 2);
-    linear = box_reduce(linear, width, height, next_width, next_height);
-    width = next_width, height = next_height;
-    append_level(linear, width, height, space);
+  Size size{blank ? 1 : pixels.width(), blank ? 1 : pixels.height()};
+  texels_.reserve(size.area() + size.area() / 3 + 16);
+  if (blank) texels_.push_back({255, 255, 255, 255});
+  texels_.insert(texels_.end(), pixels.pixels().begin(), pixels.pixels().end());
+  levels_.push_back({size.width, size.height, 0});
+  side_texels_ = std::sqrt(static_cast<float>(size.area()));
+  mean_ = mean_of(texels_, decode_);
+  Linear linear;
+  while (size.area() > 1) {
+    linear = levels_.size() == 1
+                 ? reduce(size, [this](std::size_t i) { return decode(texels_[i], decode_); })
+                 : reduce(size, [&linear](std::size_t i) { return linear[i]; });
+    size = size.halved();
+    append_level(linear, size.width, size.height, space);
   }
 }
 
 void Texture::append_level(const std::vector<Vec4>& linear, int width, int height,
                            ColorSpace space) {
+  const TexelCodes& color = TexelCodes::of(space);
+  const TexelCodes& plain = TexelCodes::of(ColorSpace::Linear);
   levels_.push_back({width, height, texels_.size()});
-  for (const Vec4& value : linear) texels_.push_back(encode(value, space));
+  for (const Vec4& v : linear) {
+    texels_.push_back({color.encode(v.x), color.encode(v.y), color.encode(v.z), plain.encode(v.w)});
+  }
 }
 
 Vec4 Texture::texel(const Level& level, int x, int y) const {
   const auto offset = static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) +
                       static_cast<std::size_t>(x);
-  const image::Rgba8 p = texels_[level.first + offset];
-  return {decode_[p.r], decode_[p.g], decode_[p.b], static_cast<float>(p.a) * (1.0F / 255.0F)};
+  return decode(texels_[level.first + offset], decode_);
 }
 
 Vec4 Texture::bilinear(const Level& level, Vec2 uv, Wrap wrap_u, Wrap wrap_v) const {
