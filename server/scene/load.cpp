@@ -6,6 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
+#include "server/scene/assimp/import.h"
 #include "server/scene/built_in/scenes.h"
 #include "server/scene/gltf/import.h"
 #include "server/scene/settle.h"
@@ -41,12 +42,35 @@ bool names_a_gltf_file(const std::string& path) {
   return suffix == ".gltf" || suffix == ".glb";
 }
 
-Result<std::shared_ptr<const Scene>> load_file(const std::string& path) {
-  Result<Scene> scene = gltf::import_file(path);
-  if (!scene) return forward(scene);
-  const Result<SideFile> side = read_side_file(side_file_of(path));
+/// The scene in its file's units, and what the side file says of it.
+struct Imported {
+  Scene scene;
+  SideFile side;
+};
+
+Result<Imported> import_with_side_file(const std::string& path) {
+  Result<SideFile> side = read_side_file(side_file_of(path));
   if (!side) return forward(side);
-  settle(*scene, *side);
+  if (names_a_gltf_file(path)) {
+    Result<Scene> scene = gltf::import_file(path);
+    if (!scene) return forward(scene);
+    return Imported{std::move(*scene), std::move(*side)};
+  }
+  auto imported = assimp::import_file(path);
+  if (!imported) return forward(imported);
+  if (!side->meters_per_unit && imported->meters_per_unit > 0.0) {
+    side->meters_per_unit = imported->meters_per_unit;
+    imported->scene.warnings.push_back(base::concat(
+        "the file says that its unit is ", imported->meters_per_unit, " m; meters_per_unit wins"));
+  }
+  return Imported{std::move(imported->scene), std::move(*side)};
+}
+
+Result<std::shared_ptr<const Scene>> load_file(const std::string& path) {
+  Result<Imported> imported = import_with_side_file(path);
+  if (!imported) return forward(imported);
+  Scene* scene = &imported->scene;
+  settle(*scene, imported->side);
   const Bounds bounds = scene->bounds();
   for (int axis = 0; axis < 3; ++axis) {
     if (!(bounds.minimum[axis] > -kFarthest && bounds.maximum[axis] < kFarthest)) {
@@ -67,9 +91,11 @@ Result<std::shared_ptr<const Scene>> load_scene(const std::string& name_or_path)
   for (const BuiltIn& entry : kBuiltIn) {
     if (entry.name == name_or_path) return std::make_shared<const Scene>(entry.make(kSeed));
   }
-  if (names_a_gltf_file(name_or_path)) return load_file(name_or_path);
+  if (names_a_gltf_file(name_or_path) || assimp::reads(name_or_path))
+    return load_file(name_or_path);
   return base::bad_input("no such scene", name_or_path,
-                         "a file ending in .gltf or .glb, or one of " + names_of_built_in_scenes());
+                         "a file ending in .gltf, .glb, " + assimp::list_of_suffixes() +
+                             ", or one of " + names_of_built_in_scenes());
 }
 
 std::string describe_built_in_scenes() {

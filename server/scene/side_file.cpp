@@ -8,8 +8,8 @@
 #include <string_view>
 #include <toml.hpp>
 
-#include "server/scene/gltf/files.h"
-#include "server/scene/gltf/json_guard.h"
+#include "server/scene/files.h"
+#include "server/scene/json_guard.h"
 #include "shared/base/text.h"
 
 namespace macula::scene {
@@ -224,10 +224,10 @@ std::filesystem::path side_file_of(const std::filesystem::path& scene_file) {
 Result<SideFile> read_side_file(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) return SideFile{};
-  const auto bytes = gltf::read_file(path, kMaxBytes);
+  const auto bytes = read_file(path, kMaxBytes);
   if (!bytes) return forward(bytes);
   std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  if (gltf::measure_json(text).depth > kMaxDepth) {
+  if (measure_json(text).depth > kMaxDepth) {
     return base::bad_input("nested too deeply", path.string(),
                            base::concat("at most ", kMaxDepth, " levels"));
   }

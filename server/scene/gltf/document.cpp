@@ -7,7 +7,7 @@
 #include <optional>
 #include <span>
 
-#include "server/scene/gltf/json_guard.h"
+#include "server/scene/json_guard.h"
 #include "shared/base/text.h"
 
 namespace macula::scene::gltf {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/scene/gltf/files.h"
+#include "server/scene/files.h"
 #include "shared/base/result.h"
 
 namespace macula::scene::gltf {

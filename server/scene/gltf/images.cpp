@@ -1,42 +1,15 @@
 #include "server/scene/gltf/images.h"
 
-#include <algorithm>
-#include <array>
 #include <span>
 
+#include "server/scene/decode_image.h"
 #include "server/scene/gltf/accessor.h"
 #include "shared/base/text.h"
-#include "shared/codec/jpeg_image.h"
 
 namespace macula::scene::gltf {
 namespace {
 
 using Encoded = std::span<const std::byte>;
-
-bool starts_with(Encoded bytes, std::initializer_list<int> magic) {
-  return bytes.size() >= magic.size() &&
-         std::equal(magic.begin(), magic.end(), bytes.begin(),
-                    [](int expected, std::byte actual) { return std::byte(expected) == actual; });
-}
-
-image::Plane<image::Rgba8> with_alpha(const image::Plane<Rgb8>& picture) {
-  image::Plane<image::Rgba8> result(picture.width(), picture.height());
-  std::transform(picture.pixels().begin(), picture.pixels().end(), result.pixels().begin(),
-                 [](const Rgb8& c) {
-                   return image::Rgba8{c.r, c.g, c.b, 255};
-                 });
-  return result;
-}
-
-/// The format is told by the first bytes: file names and MIME types lie.
-Result<image::Plane<image::Rgba8>> decode(Encoded bytes, const std::string& place) {
-  if (starts_with(bytes, {0x89, 'P', 'N', 'G'}))
-    return image::decode_png(bytes, place, kMaxImageSide);
-  if (starts_with(bytes, {0xFF, 0xD8})) {
-    return codec::decode_jpeg_image(bytes, place, kMaxImageSide).map(with_alpha);
-  }
-  return base::bad_input("neither PNG nor JPEG", place, "convert the image to PNG or JPEG");
-}
 
 }  // namespace
 
@@ -67,7 +40,7 @@ Result<Index> ImageImporter::require(int image_index) {
     encoded = file;
     place += " (" + image->uri + ")";
   }
-  auto pixels = decode(encoded, place);
+  auto pixels = decode_image(encoded, place);
   if (!pixels) return forward(pixels);
   pixels_ += pixels->size();
   if (pixels_ > kMaxImagePixels) {

@@ -9,9 +9,6 @@
 
 namespace macula::scene::gltf {
 
-inline constexpr int kMaxImageSide = 8192;
-inline constexpr std::uint64_t kMaxImagePixels = std::uint64_t{1} << 29;  ///< over a scene
-
 class ImageImporter {
  public:
   /// Appends to scene.images. Both must outlive the importer.

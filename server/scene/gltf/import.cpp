@@ -9,7 +9,7 @@
 #include "server/scene/gltf/materials.h"
 #include "server/scene/gltf/meshes.h"
 #include "server/scene/gltf/nodes.h"
-#include "server/scene/gltf/warnings.h"
+#include "server/scene/warnings.h"
 
 namespace macula::scene::gltf {
 namespace {

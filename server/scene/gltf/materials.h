@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "server/scene/gltf/document.h"
-#include "server/scene/gltf/warnings.h"
 #include "server/scene/scene.h"
+#include "server/scene/warnings.h"
 
 namespace macula::scene::gltf {
 

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "server/scene/placement.h"
 #include "shared/base/text.h"
 
 namespace macula::scene::gltf {
@@ -67,7 +68,8 @@ class NodeImporter {
         meshes_(meshes),
         scene_(scene),
         warnings_(warnings),
-        reached_(document.model.nodes.size()) {}
+        reached_(document.model.nodes.size()),
+        placement_(scene) {}
 
   Result<void> import_tree();
 
@@ -82,9 +84,6 @@ class NodeImporter {
   Result<void> import_contents(const tinygltf::Node& node, const DMat4& world_from_node,
                                const std::string& place);
   Result<void> place_meshes(int mesh, const DMat4& world_from_node);
-  void place_one(Index mesh, const DMat4& world_from_node);
-  Index mirrored(Index mesh);
-  Index flattened(Index mesh, const DMat4& world_from_node);
   Result<void> import_camera(const tinygltf::Node& node, const DMat4& world_from_node,
                              const std::string& place);
   Result<void> import_light(int light, const DMat4& world_from_node, const std::string& place);
@@ -95,7 +94,7 @@ class NodeImporter {
   Warnings& warnings_;
   std::vector<bool> reached_;
   std::vector<Visit> pending_;
-  std::map<Index, Index> mirrored_;
+  Placement placement_;
 };
 
 Result<std::vector<int>> NodeImporter::roots() const {
@@ -180,45 +179,8 @@ Result<void> NodeImporter::import_contents(const tinygltf::Node& node, const DMa
 Result<void> NodeImporter::place_meshes(int mesh, const DMat4& world_from_node) {
   const auto meshes = meshes_.require(mesh);
   if (!meshes) return forward(meshes);
-  for (const Index index : *meshes) place_one(index, world_from_node);
+  for (const Index index : *meshes) placement_.place(index, world_from_node);
   return {};
-}
-
-void NodeImporter::place_one(Index mesh, const DMat4& world_from_node) {
-  const DMat3 linear(world_from_node);
-  const double volume = glm::determinant(linear);
-  const double edges = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
-  // Relative to the box of the same edges: below this, the inverse has no digits left.
-  if (!(std::abs(volume) > 1e-12 * edges)) {
-    scene_.instances.push_back({flattened(mesh, world_from_node), DMat4{1.0}});
-  } else if (volume < 0.0) {
-    const DMat4 flip_x = glm::scale(DMat4{1.0}, DVec3{-1.0, 1.0, 1.0});
-    scene_.instances.push_back({mirrored(mesh), world_from_node * flip_x});
-  } else {
-    scene_.instances.push_back({mesh, world_from_node});
-  }
-}
-
-/// The mesh reflected in x, its winding turned so that its front stays its front (glTF 2.0, 3.7.4).
-Index NodeImporter::mirrored(Index mesh) {
-  if (const auto known = mirrored_.find(mesh); known != mirrored_.end()) return known->second;
-  Mesh copy = scene_.meshes[mesh];
-  for (Vec3& position : copy.positions) position.x = -position.x;
-  for (Vec3& normal : copy.normals) normal.x = -normal.x;
-  for (UVec3& triangle : copy.triangles) std::swap(triangle.y, triangle.z);
-  scene_.meshes.push_back(std::move(copy));
-  return mirrored_[mesh] = static_cast<Index>(scene_.meshes.size() - 1);
-}
-
-/// A transform that squeezes space to a plane has no inverse: the mesh is moved itself, shaded
-/// flat.
-Index NodeImporter::flattened(Index mesh, const DMat4& world_from_node) {
-  Mesh copy = scene_.meshes[mesh];
-  for (Vec3& position : copy.positions)
-    position = Vec3(DVec3(world_from_node * DVec4(DVec3(position), 1.0)));
-  copy.normals.clear();
-  scene_.meshes.push_back(std::move(copy));
-  return static_cast<Index>(scene_.meshes.size() - 1);
 }
 
 Result<void> NodeImporter::import_camera(const tinygltf::Node& node, const DMat4& world_from_node,

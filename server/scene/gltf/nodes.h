@@ -4,8 +4,8 @@
 
 #include "server/scene/gltf/document.h"
 #include "server/scene/gltf/meshes.h"
-#include "server/scene/gltf/warnings.h"
 #include "server/scene/scene.h"
+#include "server/scene/warnings.h"
 
 namespace macula::scene::gltf {
 

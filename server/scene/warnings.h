@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace macula::scene::gltf {
+namespace macula::scene {
 
 class Warnings {
  public:
@@ -32,4 +32,4 @@ class Warnings {
   std::vector<std::pair<std::string, std::size_t>> entries_;
 };
 
-}  // namespace macula::scene::gltf
+}  // namespace macula::scene

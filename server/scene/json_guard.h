@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace macula::scene::gltf {
+namespace macula::scene {
 
 struct JsonExtent {
   std::size_t depth = 0;    ///< deepest nesting of objects and arrays
@@ -14,4 +14,4 @@ struct JsonExtent {
 };
 JsonExtent measure_json(std::string_view text);
 
-}  // namespace macula::scene::gltf
+}  // namespace macula::scene

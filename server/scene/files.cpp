@@ -1,4 +1,4 @@
-#include "server/scene/gltf/files.h"
+#include "server/scene/files.h"
 
 #include <algorithm>
 #include <charconv>
@@ -6,10 +6,10 @@
 
 #include "shared/base/text.h"
 
-namespace macula::scene::gltf {
+namespace macula::scene {
 namespace fs = std::filesystem;
 
-Result<Bytes> read_file(const fs::path& path, std::uint64_t max_bytes) {
+Result<std::uint64_t> file_size(const fs::path& path, std::uint64_t max_bytes) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) {
@@ -24,9 +24,15 @@ Result<Bytes> read_file(const fs::path& path, std::uint64_t max_bytes) {
     return base::bad_input(base::concat("the file has ", size, " bytes"), path.string(),
                            base::concat("at most ", max_bytes, " are read"));
   }
+  return size;
+}
+
+Result<Bytes> read_file(const fs::path& path, std::uint64_t max_bytes) {
+  const auto size = file_size(path, max_bytes);
+  if (!size) return forward(size);
   std::ifstream stream(path, std::ios::binary);
-  Bytes bytes(size);
-  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  Bytes bytes(*size);
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(*size));
   if (!stream)
     return base::bad_input("cannot read the file", path.string(), "check its permissions");
   return bytes;
@@ -37,22 +43,29 @@ SceneFolder::SceneFolder(fs::path scene_file) : scene_file_(std::move(scene_file
   folder_ = fs::weakly_canonical(fs::absolute(scene_file_, error).parent_path(), error);
 }
 
-Result<fs::path> SceneFolder::resolve(const std::string& uri) const {
-  const auto refuse = [&](const char* what) {
-    return base::bad_input(base::concat(what, " '", uri.substr(0, 200), "'"), scene_file_.string(),
-                           "files of a scene lie inside its own folder, by relative path");
-  };
+tl::unexpected<Error> SceneFolder::refuse(const char* what, const std::string& uri) const {
+  return base::bad_input(base::concat(what, " '", uri.substr(0, 200), "'"), scene_file_.string(),
+                         "files of a scene lie inside its own folder, by relative path");
+}
+
+Result<fs::path> SceneFolder::inside(const std::string& uri) const {
   const bool odd = uri.empty() || uri.find('\0') != std::string::npos;
   if (odd || fs::path(uri).is_absolute() || uri.find("://") != std::string::npos) {
-    return refuse("cannot use the path");
+    return refuse("cannot use the path", uri);
   }
   std::error_code error;
   const fs::path target = fs::weakly_canonical(folder_ / uri, error);
-  if (error) return refuse("cannot resolve the path");
+  if (error) return refuse("cannot resolve the path", uri);
   const auto [end, unused] =
       std::mismatch(folder_.begin(), folder_.end(), target.begin(), target.end());
-  if (end != folder_.end()) return refuse("the path leaves the scene's folder:");
-  if (!fs::is_regular_file(target, error)) return refuse("no such file");
+  if (end != folder_.end()) return refuse("the path leaves the scene's folder:", uri);
+  return target;
+}
+
+Result<fs::path> SceneFolder::resolve(const std::string& uri) const {
+  auto target = inside(uri);
+  std::error_code error;
+  if (target && !fs::is_regular_file(*target, error)) return refuse("no such file", uri);
   return target;
 }
 
@@ -72,4 +85,4 @@ std::string percent_decoded(const std::string& uri) {
   return text;
 }
 
-}  // namespace macula::scene::gltf
+}  // namespace macula::scene

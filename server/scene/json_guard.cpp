@@ -1,8 +1,8 @@
-#include "server/scene/gltf/json_guard.h"
+#include "server/scene/json_guard.h"
 
 #include <algorithm>
 
-namespace macula::scene::gltf {
+namespace macula::scene {
 namespace {
 
 /// The position behind the string literal that opens at `quote`.
@@ -33,4 +33,4 @@ JsonExtent measure_json(std::string_view text) {
   return extent;
 }
 
-}  // namespace macula::scene::gltf
+}  // namespace macula::scene
