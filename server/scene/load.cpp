@@ -36,6 +36,8 @@ std::string names_of_built_in_scenes() {
 
 /// Coordinates far beyond this lose millimeters in float.
 constexpr double kFarthest = 1e7;  // m
+/// What one pass over every instance may touch; small files can multiply far beyond it.
+constexpr std::size_t kMostPlacedTriangles = std::size_t{1} << 28;
 
 bool names_a_gltf_file(const std::string& path) {
   const std::string suffix = std::filesystem::path(path).extension().string();
@@ -70,6 +72,11 @@ Result<std::shared_ptr<const Scene>> load_file(const std::string& path) {
   Result<Imported> imported = import_with_side_file(path);
   if (!imported) return forward(imported);
   Scene* scene = &imported->scene;
+  if (scene->triangle_count() > kMostPlacedTriangles) {
+    return base::bad_input(
+        base::concat("its copies come to ", scene->triangle_count(), " triangles"), path,
+        base::concat("at most ", kMostPlacedTriangles));
+  }
   settle(*scene, imported->side);
   const Bounds bounds = scene->bounds();
   for (int axis = 0; axis < 3; ++axis) {

@@ -3,21 +3,36 @@
 #include <cmath>
 #include <utility>
 
+#include "shared/base/text.h"
+
 namespace macula::scene {
 
-void Placement::place(Index mesh, const DMat4& world_from_object) {
+bool Placement::may_copy(Index mesh) {
+  copied_ += scene_.meshes[mesh].triangles.size();
+  return copied_ <= kMostCopied;
+}
+
+Result<void> Placement::place(Index mesh, const DMat4& world_from_object,
+                              const std::string& place) {
   const DMat3 linear(world_from_object);
   const double volume = glm::determinant(linear);
   const double edges = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
   // Relative to the box of the same edges: below this, the inverse has no digits left.
-  if (!(std::abs(volume) > 1e-12 * edges)) {
+  const bool flat = !(std::abs(volume) > 1e-12 * edges);
+  const bool mirrors = !flat && volume < 0.0;
+  if ((flat || (mirrors && !mirrored_.contains(mesh))) && !may_copy(mesh)) {
+    return base::bad_input("too many triangles lie under flattening or mirroring transforms", place,
+                           base::concat("at most ", kMostCopied, "; apply them to the meshes"));
+  }
+  if (flat) {
     scene_.instances.push_back({flattened(mesh, world_from_object), DMat4{1.0}});
-  } else if (volume < 0.0) {
+  } else if (mirrors) {
     const DMat4 flip_x = glm::scale(DMat4{1.0}, DVec3{-1.0, 1.0, 1.0});
     scene_.instances.push_back({mirrored(mesh), world_from_object * flip_x});
   } else {
     scene_.instances.push_back({mesh, world_from_object});
   }
+  return {};
 }
 
 /// The mesh reflected in x, its winding turned so that its front stays its front (glTF 2.0, 3.7.4).

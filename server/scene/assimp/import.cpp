@@ -269,8 +269,7 @@ Result<void> SceneMaker::place(const ParcelInstance& from) {
     return base::bad_input("a node's transform is not finite", path_,
                            "finite, moderate scales and translations");
   }
-  placement_.place(from.mesh, transform);
-  return {};
+  return placement_.place(from.mesh, transform, path_);
 }
 
 Result<void> SceneMaker::add_light(const ParcelLight& from) {

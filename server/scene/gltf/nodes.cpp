@@ -83,7 +83,7 @@ class NodeImporter {
   Result<void> visit(const Visit& visit);
   Result<void> import_contents(const tinygltf::Node& node, const DMat4& world_from_node,
                                const std::string& place);
-  Result<void> place_meshes(int mesh, const DMat4& world_from_node);
+  Result<void> place_meshes(int mesh, const DMat4& world_from_node, const std::string& place);
   Result<void> import_camera(const tinygltf::Node& node, const DMat4& world_from_node,
                              const std::string& place);
   Result<void> import_light(int light, const DMat4& world_from_node, const std::string& place);
@@ -165,7 +165,7 @@ Result<void> NodeImporter::import_contents(const tinygltf::Node& node, const DMa
                                            const std::string& place) {
   if (node.skin >= 0) warnings_.add("skins are ignored: meshes keep their base shape");
   if (node.mesh >= 0) {
-    if (const auto placed = place_meshes(node.mesh, world_from_node); !placed) return placed;
+    if (const auto placed = place_meshes(node.mesh, world_from_node, place); !placed) return placed;
   }
   if (node.camera >= 0) {
     if (const auto camera = import_camera(node, world_from_node, place); !camera) return camera;
@@ -176,10 +176,13 @@ Result<void> NodeImporter::import_contents(const tinygltf::Node& node, const DMa
   return import_light(light.IsNumber() ? light.GetNumberAsInt() : -1, world_from_node, place);
 }
 
-Result<void> NodeImporter::place_meshes(int mesh, const DMat4& world_from_node) {
+Result<void> NodeImporter::place_meshes(int mesh, const DMat4& world_from_node,
+                                        const std::string& place) {
   const auto meshes = meshes_.require(mesh);
   if (!meshes) return forward(meshes);
-  for (const Index index : *meshes) placement_.place(index, world_from_node);
+  for (const Index index : *meshes) {
+    if (const auto placed = placement_.place(index, world_from_node, place); !placed) return placed;
+  }
   return {};
 }
 
