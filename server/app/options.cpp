@@ -23,7 +23,8 @@ void declare(CLI::App& app, Options& options) {
   app.footer(kExamples);
   app.set_help_flag("-h,--help", "Print this text and end");
   app.set_version_flag("--version", "macula-server " MACULA_VERSION);
-  app.add_option("--scene", options.scene, "Built-in scene or .gltf/.glb file")
+  app.add_option("--scene", options.scene,
+                 "Built-in scene or a file: .gltf .glb .obj .ply .stl .off .fbx .dae .3ds")
       ->capture_default_str();
   app.add_flag("--list-scenes", options.list_scenes, "List the built-in scenes and end");
   app.add_option("--kernel", options.kernel, "auto, or a kernel by name")->capture_default_str();

@@ -20,7 +20,8 @@ struct BuiltIn {
 /// The visible table behind --list-scenes.
 std::span<const BuiltIn> built_in_scenes();
 
-/// A built-in name, or a path to .gltf / .glb with its optional side file NAME.macula.toml.
+/// A built-in name, or a path to .gltf, .glb or one of the formats of assimp/import.h, with its
+/// optional side file NAME.macula.toml.
 /// An unknown name answers with the list of names; a bad file with its path, place and remedy.
 Result<std::shared_ptr<const Scene>> load_scene(const std::string& name_or_path);
 

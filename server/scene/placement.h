@@ -18,15 +18,17 @@ class Placement {
   /// Triangles in all copies that may be made.
   static constexpr std::size_t kMostCopied = std::size_t{1} << 24;
 
-  /// A mirroring transform places a mirrored copy of the mesh (made once), one that squeezes space
-  /// to a plane a copy that is moved itself and shaded flat. `world_from_object` is finite. Too
-  /// many copies are an error that names `place`.
-  Result<void> place(Index mesh, const DMat4& world_from_object, const std::string& place);
+  /// Places `wanted` (its transform finite). A transform that mirrors places a mirrored copy of the
+  /// mesh (made once), one that squeezes space to a plane a copy that is moved itself and shaded
+  /// flat. Below a joint, whether it mirrors is told by `world_from_joint`, the joint's own
+  /// transform at rest. Too many copies are an error that names `place`.
+  Result<void> place(const Instance& wanted, const std::string& place,
+                     const DMat4& world_from_joint = DMat4{1.0});
 
  private:
   bool may_copy(Index mesh);
   Index mirrored(Index mesh);
-  Index flattened(Index mesh, const DMat4& world_from_object);
+  Index flattened(const Instance& wanted);
 
   Scene& scene_;
   std::map<Index, Index> mirrored_;

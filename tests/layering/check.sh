@@ -30,8 +30,8 @@ zmq shared/net tests
 sodium shared/net
 macula/v1/.*\.pb\.h shared/net tests/shared/net
 google/protobuf shared/net tests/shared/net
-tiny_gltf server/scene
-assimp/ server/scene
+tiny_gltf server/scene/gltf
+assimp/ server/scene/assimp
 embree server/visibility
 OpenEXR/ server/exr
 Imf server/exr

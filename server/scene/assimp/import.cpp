@@ -249,8 +249,13 @@ Result<void> SceneMaker::add_mesh(std::size_t index) {
     warnings_.add("texture coordinates that are not finite are taken as 0");
   }
   if (from.texcoords.size() != vertices) from.texcoords.clear();
-  scene_.meshes.push_back({std::move(from.name), std::move(from.positions), std::move(from.normals),
-                           std::move(from.texcoords), std::move(from.triangles), from.material});
+  Mesh& to = scene_.meshes.emplace_back();
+  to.name = std::move(from.name);
+  to.positions = std::move(from.positions);
+  to.normals = std::move(from.normals);
+  to.texcoords = std::move(from.texcoords);
+  to.triangles = std::move(from.triangles);
+  to.material = from.material;
   return {};
 }
 
@@ -269,7 +274,7 @@ Result<void> SceneMaker::place(const ParcelInstance& from) {
     return base::bad_input("a node's transform is not finite", path_,
                            "finite, moderate scales and translations");
   }
-  return placement_.place(from.mesh, transform, path_);
+  return placement_.place({from.mesh, transform}, path_);
 }
 
 Result<void> SceneMaker::add_light(const ParcelLight& from) {

@@ -18,8 +18,10 @@ T load(const unsigned char* from) {
 
 std::size_t component_size(int type) {
   switch (type) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
       return 1;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
       return 2;
     default:
@@ -33,6 +35,8 @@ const char* type_name(int type) {
       return "SCALAR";
     case TINYGLTF_TYPE_VEC2:
       return "VEC2";
+    case TINYGLTF_TYPE_VEC4:
+      return "VEC4";
     default:
       return "VEC3";
   }
@@ -150,6 +154,10 @@ float AccessorView::component(std::size_t element, std::size_t component) const 
       return static_cast<float>(at[component]) / 255.0F;
     case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
       return static_cast<float>(load<std::uint16_t>(at + 2 * component)) / 65535.0F;
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return std::max(static_cast<float>(static_cast<std::int8_t>(at[component])) / 127.0F, -1.0F);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return std::max(static_cast<float>(load<std::int16_t>(at + 2 * component)) / 32767.0F, -1.0F);
     default:
       return load<float>(at + 4 * component);
   }

@@ -26,8 +26,8 @@ class AccessorView {
   std::size_t count() const { return count_; }
   /// Unsigned integers of one component.
   Index index(std::size_t element) const;
-  /// One component; integers are normalised to [0, 1] as glTF says of colours and texture
-  /// coordinates.
+  /// One component; integers are normalised, unsigned ones to [0, 1], signed ones to [-1, 1], as
+  /// glTF says of colours, texture coordinates and rotations.
   float component(std::size_t element, std::size_t component) const;
   Vec2 vec2(std::size_t element) const { return {component(element, 0), component(element, 1)}; }
   Vec3 vec3(std::size_t element) const {

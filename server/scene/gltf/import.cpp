@@ -26,8 +26,6 @@ void warn_about_the_file(const Document& document, Warnings& warnings) {
       warnings.add("the extension " + name + " is ignored");
     }
   }
-  if (!document.model.animations.empty())
-    warnings.add("animations are ignored: the scene stands still");
 }
 
 }  // namespace
@@ -42,7 +40,9 @@ Result<Scene> import_file(const std::string& path) {
   const auto materials = import_materials(*document, scene, warnings);
   if (!materials) return forward(materials);
   MeshImporter meshes(*document, *materials, scene, warnings);
-  if (const auto nodes = import_nodes(*document, meshes, scene, warnings); !nodes)
+  const auto motions = import_animations(*document, warnings);
+  if (!motions) return forward(motions);
+  if (const auto nodes = import_nodes(*document, *motions, meshes, scene, warnings); !nodes)
     return forward(nodes);
   if (scene.triangle_count() == 0) {
     return base::bad_input("the scene shows no triangles", path,

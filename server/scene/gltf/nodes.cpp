@@ -31,25 +31,36 @@ Result<DMat4> matrix_of(const std::vector<double>& values, const std::string& pl
   return matrix;
 }
 
+/// A node's transform by its parts; those it does not give are neutral.
+struct Parts {
+  DVec3 translation{0.0};
+  DQuat rotation{1.0, 0.0, 0.0, 0.0};
+  DVec3 scale{1.0};
+
+  DMat4 matrix() const {
+    return glm::scale(glm::translate(DMat4{1.0}, translation) * glm::mat4_cast(rotation), scale);
+  }
+};
+
+/// The rotation made unit where it has a direction.
+Parts parts_of(const tinygltf::Node& node) {
+  Parts parts;
+  if (const auto& t = node.translation; t.size() == 3) parts.translation = {t[0], t[1], t[2]};
+  if (const auto& r = node.rotation; r.size() == 4) {
+    parts.rotation = DQuat(r[3], r[0], r[1], r[2]);
+    parts.rotation /= glm::length(parts.rotation);
+  }
+  if (const auto& s = node.scale; s.size() == 3) parts.scale = {s[0], s[1], s[2]};
+  return parts;
+}
+
 Result<DMat4> local_transform(const tinygltf::Node& node, const std::string& place) {
   if (node.matrix.size() == 16) return matrix_of(node.matrix, place);
-  DMat4 matrix{1.0};
-  if (node.translation.size() == 3) {
-    matrix =
-        glm::translate(matrix, {node.translation[0], node.translation[1], node.translation[2]});
+  const Parts parts = parts_of(node);
+  if (!std::isfinite(glm::length(parts.rotation))) {
+    return base::bad_input("the rotation has no direction", place, "a unit quaternion x, y, z, w");
   }
-  if (node.rotation.size() == 4) {
-    const DQuat rotation(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
-    const double length = glm::length(rotation);
-    if (!(length > 0.0) || !std::isfinite(length)) {
-      return base::bad_input("the rotation has no direction", place,
-                             "a unit quaternion x, y, z, w");
-    }
-    matrix = matrix * glm::mat4_cast(rotation / length);
-  }
-  if (node.scale.size() == 3)
-    matrix = glm::scale(matrix, {node.scale[0], node.scale[1], node.scale[2]});
-  return matrix;
+  return parts.matrix();
 }
 
 /// The rigid part of a transform, for things that have a direction but no size: z stays, y as near
@@ -61,10 +72,19 @@ Pose rigid_part(const DMat4& matrix) {
   return {DVec3(matrix[3]), normalize(glm::quat_cast(axes))};
 }
 
+/// Where a node lies: below the nearest moving node above it, or in the world.
+struct Frame {
+  std::optional<Index> joint;
+  DMat4 parent_from_node{1.0};   ///< parent: the joint, or the world
+  DMat4 world_from_parent{1.0};  ///< at rest
+};
+
 class NodeImporter {
  public:
-  NodeImporter(const Document& document, MeshImporter& meshes, Scene& scene, Warnings& warnings)
+  NodeImporter(const Document& document, const std::map<int, NodeMotion>& motions,
+               MeshImporter& meshes, Scene& scene, Warnings& warnings)
       : document_(document),
+        motions_(motions),
         meshes_(meshes),
         scene_(scene),
         warnings_(warnings),
@@ -76,19 +96,22 @@ class NodeImporter {
  private:
   struct Visit {
     int node;
-    DMat4 world_from_parent;
+    Frame above;
     std::size_t depth;
   };
   Result<std::vector<int>> roots() const;
   Result<void> visit(const Visit& visit);
-  Result<void> import_contents(const tinygltf::Node& node, const DMat4& world_from_node,
+  Result<Frame> frame_of(int index, const Frame& above, const std::string& place);
+  Frame add_joint(const tinygltf::Node& node, const NodeMotion& motion, const Frame& above);
+  Result<void> import_contents(const tinygltf::Node& node, const Frame& frame,
                                const std::string& place);
-  Result<void> place_meshes(int mesh, const DMat4& world_from_node, const std::string& place);
-  Result<void> import_camera(const tinygltf::Node& node, const DMat4& world_from_node,
+  Result<void> place_meshes(int mesh, const Frame& frame, const std::string& place);
+  Result<void> import_camera(const tinygltf::Node& node, const Frame& frame,
                              const std::string& place);
-  Result<void> import_light(int light, const DMat4& world_from_node, const std::string& place);
+  Result<void> import_light(int light, const Frame& frame, const std::string& place);
 
   const Document& document_;
+  const std::map<int, NodeMotion>& motions_;
   MeshImporter& meshes_;
   Scene& scene_;
   Warnings& warnings_;
@@ -122,7 +145,7 @@ Result<void> NodeImporter::import_tree() {
   const auto first = roots();
   if (!first) return forward(first);
   for (auto root = first->rbegin(); root != first->rend(); ++root)
-    pending_.push_back({*root, DMat4{1.0}, 1});
+    pending_.push_back({*root, Frame{}, 1});
   while (!pending_.empty()) {
     const Visit next = pending_.back();
     pending_.pop_back();
@@ -148,45 +171,81 @@ Result<void> NodeImporter::visit(const Visit& visit) {
                            base::concat("at most ", kMaxNodeDepth, " levels"));
   }
   reached_[index] = true;
-  const Result<DMat4> local = local_transform(*node, place);
+  const Result<Frame> frame = frame_of(visit.node, visit.above, place);
+  if (!frame) return forward(frame);
+  for (auto child = node->children.rbegin(); child != node->children.rend(); ++child) {
+    pending_.push_back({*child, *frame, visit.depth + 1});
+  }
+  return import_contents(*node, *frame, place);
+}
+
+Result<Frame> NodeImporter::frame_of(int index, const Frame& above, const std::string& place) {
+  const tinygltf::Node& node = document_.model.nodes[static_cast<std::size_t>(index)];
+  const Result<DMat4> local = local_transform(node, place);
   if (!local) return forward(local);
-  const DMat4 world_from_node = visit.world_from_parent * *local;
-  if (!is_finite(world_from_node)) {
+  Frame frame = above;
+  frame.parent_from_node = above.parent_from_node * *local;
+  if (!is_finite(above.world_from_parent * frame.parent_from_node)) {
     return base::bad_input("the transform overflows", place,
                            "finite, moderate scales and translations");
   }
-  for (auto child = node->children.rbegin(); child != node->children.rend(); ++child) {
-    pending_.push_back({*child, world_from_node, visit.depth + 1});
+  const auto motion = motions_.find(index);
+  if (motion == motions_.end()) return frame;
+  if (node.matrix.size() == 16) {
+    warnings_.add("a node with a matrix stands still, though an animation names it");
+    return frame;
   }
-  return import_contents(*node, world_from_node, place);
+  return add_joint(node, motion->second, above);
 }
 
-Result<void> NodeImporter::import_contents(const tinygltf::Node& node, const DMat4& world_from_node,
+/// A node that moves becomes a joint; the still transforms between it and the joint above are its
+/// base.
+Frame NodeImporter::add_joint(const tinygltf::Node& node, const NodeMotion& motion,
+                              const Frame& above) {
+  const Parts rest = parts_of(node);
+  Joint joint;
+  joint.name = node.name;
+  joint.parent = above.joint;
+  joint.parent_from_base = above.parent_from_node;
+  joint.translation = rest.translation;
+  joint.rotation = rest.rotation;
+  joint.scale = rest.scale;
+  joint.translations = motion.translations;
+  joint.rotations = motion.rotations;
+  joint.scales = motion.scales;
+  joint.period = motion.period;
+  scene_.joints.push_back(std::move(joint));
+  return {static_cast<Index>(scene_.joints.size() - 1), DMat4{1.0},
+          above.world_from_parent * above.parent_from_node * rest.matrix()};
+}
+
+Result<void> NodeImporter::import_contents(const tinygltf::Node& node, const Frame& frame,
                                            const std::string& place) {
   if (node.skin >= 0) warnings_.add("skins are ignored: meshes keep their base shape");
   if (node.mesh >= 0) {
-    if (const auto placed = place_meshes(node.mesh, world_from_node, place); !placed) return placed;
+    if (const auto placed = place_meshes(node.mesh, frame, place); !placed) return placed;
   }
   if (node.camera >= 0) {
-    if (const auto camera = import_camera(node, world_from_node, place); !camera) return camera;
+    if (const auto camera = import_camera(node, frame, place); !camera) return camera;
   }
   const auto extension = node.extensions.find("KHR_lights_punctual");
   if (extension == node.extensions.end() || !extension->second.IsObject()) return {};
   const tinygltf::Value& light = extension->second.Get("light");
-  return import_light(light.IsNumber() ? light.GetNumberAsInt() : -1, world_from_node, place);
+  return import_light(light.IsNumber() ? light.GetNumberAsInt() : -1, frame, place);
 }
 
-Result<void> NodeImporter::place_meshes(int mesh, const DMat4& world_from_node,
-                                        const std::string& place) {
+Result<void> NodeImporter::place_meshes(int mesh, const Frame& frame, const std::string& place) {
   const auto meshes = meshes_.require(mesh);
   if (!meshes) return forward(meshes);
   for (const Index index : *meshes) {
-    if (const auto placed = placement_.place(index, world_from_node, place); !placed) return placed;
+    const Instance wanted{index, frame.parent_from_node, frame.joint};
+    const auto placed = placement_.place(wanted, place, frame.world_from_parent);
+    if (!placed) return placed;
   }
   return {};
 }
 
-Result<void> NodeImporter::import_camera(const tinygltf::Node& node, const DMat4& world_from_node,
+Result<void> NodeImporter::import_camera(const tinygltf::Node& node, const Frame& frame,
                                          const std::string& place) {
   const tinygltf::Camera* camera = find(document_.model.cameras, node.camera);
   if (!camera) {
@@ -198,7 +257,7 @@ Result<void> NodeImporter::import_camera(const tinygltf::Node& node, const DMat4
     return {};
   }
   const double fov = camera->perspective.yfov;
-  const Pose pose = rigid_part(world_from_node);
+  const Pose pose = rigid_part(frame.parent_from_node);
   if (!(fov > 0.0 && fov < std::numbers::pi) || !math::is_finite(pose.position) ||
       !std::isfinite(glm::length(pose.rotation))) {
     return base::bad_input("the camera has no view", place,
@@ -206,7 +265,7 @@ Result<void> NodeImporter::import_camera(const tinygltf::Node& node, const DMat4
   }
   std::string name = !node.name.empty() ? node.name : camera->name;
   if (name.empty()) name = base::concat("camera ", scene_.cameras.size());
-  scene_.cameras.push_back({std::move(name), pose, Radians{fov}});
+  scene_.cameras.push_back({std::move(name), pose, Radians{fov}, frame.joint});
   return {};
 }
 
@@ -217,8 +276,7 @@ std::optional<LightKind> light_kind(const std::string& type) {
   return std::nullopt;
 }
 
-Result<void> NodeImporter::import_light(int index, const DMat4& world_from_node,
-                                        const std::string& place) {
+Result<void> NodeImporter::import_light(int index, const Frame& frame, const std::string& place) {
   const tinygltf::Light* from = find(document_.model.lights, index);
   if (!from) {
     return base::bad_input(base::concat("there is no light ", index), place,
@@ -229,8 +287,8 @@ Result<void> NodeImporter::import_light(int index, const DMat4& world_from_node,
     warnings_.add("lights of type '" + from->type + "' are ignored");
     return {};
   }
-  const Pose pose = rigid_part(world_from_node);
-  Light light{.kind = *kind, .position = pose.position};
+  const Pose pose = rigid_part(frame.parent_from_node);
+  Light light{.kind = *kind, .position = pose.position, .joint = frame.joint};
   light.direction = Vec3(pose.transform_direction({0.0, 0.0, -1.0}));
   const Rgb color =
       from->color.size() == 3 ? Rgb(from->color[0], from->color[1], from->color[2]) : Rgb{1.0F};
@@ -254,9 +312,9 @@ Result<void> NodeImporter::import_light(int index, const DMat4& world_from_node,
 
 }  // namespace
 
-Result<void> import_nodes(const Document& document, MeshImporter& meshes, Scene& scene,
-                          Warnings& warnings) {
-  return NodeImporter(document, meshes, scene, warnings).import_tree();
+Result<void> import_nodes(const Document& document, const std::map<int, NodeMotion>& motions,
+                          MeshImporter& meshes, Scene& scene, Warnings& warnings) {
+  return NodeImporter(document, motions, meshes, scene, warnings).import_tree();
 }
 
 }  // namespace macula::scene::gltf

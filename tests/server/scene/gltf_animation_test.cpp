@@ -1,0 +1,247 @@
+// Node animation from glTF: joints, tracks, interpolation, and the lies an animation can tell.
+#include <cstring>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "gltf_file.h"
+#include "server/scene/animation.h"
+#include "server/scene/load.h"
+
+namespace macula::scene {
+namespace {
+
+using test::replaced;
+using test::TemporaryFolder;
+
+std::string bytes_of(const std::vector<float>& values) {
+  std::string bytes(values.size() * sizeof(float), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+/// The triangle under `nodes` (JSON), with one animation whose channels are `channels` and whose
+/// samplers read accessor 2 (times) and 3 (values of `type`).
+struct AnimatedFile {
+  std::string nodes = R"([{"mesh":0}])";
+  std::string channels = R"([{"sampler":0,"target":{"node":0,"path":"translation"}}])";
+  std::string interpolation = "LINEAR";
+  std::string type = "VEC3";
+  std::vector<float> times{0, 2};
+  std::vector<float> values{0, 0, 0, 4, 0, 0};
+  int value_count = 2;
+
+  Result<std::shared_ptr<const Scene>> load() const {
+    const TemporaryFolder folder;
+    folder.write("t.bin", test::triangle_bytes());
+    folder.write("k.bin", bytes_of(times) + bytes_of(values));
+    return load_scene(folder.write("moving.gltf", json()));
+  }
+  std::string json() const {
+    const auto text = [](auto number) { return std::to_string(number); };
+    const std::size_t split = 4 * times.size(), rest = 4 * values.size();
+    std::string json =
+        replaced(test::triangle_json(), R"("nodes":[{"mesh":0}])", R"("nodes":)" + nodes);
+    json = replaced(json, R"("count":3,"type":"SCALAR"}])",
+                    R"("count":3,"type":"SCALAR"},{"bufferView":2,"componentType":5126,"count":)" +
+                        text(times.size()) +
+                        R"(,"type":"SCALAR"},{"bufferView":3,"componentType":5126,"count":)" +
+                        text(value_count) + R"(,"type":")" + type + R"("}])");
+    json = replaced(json, R"("byteOffset":36,"byteLength":6}])",
+                    R"("byteOffset":36,"byteLength":6},{"buffer":1,"byteLength":)" + text(split) +
+                        R"(},{"buffer":1,"byteOffset":)" + text(split) + R"(,"byteLength":)" +
+                        text(rest) + "}]");
+    return replaced(json, R"("byteLength":44}]})",
+                    R"("byteLength":44},{"uri":"k.bin","byteLength":)" + text(split + rest) +
+                        R"(}],"animations":[{"channels":)" + channels +
+                        R"(,"samplers":[{"input":2,"output":3,"interpolation":")" + interpolation +
+                        R"("}]}]})");
+  }
+};
+
+SceneTime at(double seconds) {
+  return {Nanoseconds(std::llround(1e9 * seconds))};
+}
+
+/// World position of the triangle's corner (1, 0, 0).
+DVec3 corner(const Scene& scene, double seconds) {
+  const ScenePose pose = pose_at(scene, at(seconds));
+  return DVec3(pose.world_from_object[0] * DVec4(1.0, 0.0, 0.0, 1.0));
+}
+
+void expect_near(const DVec3& value, const DVec3& expected) {
+  EXPECT_NEAR(glm::length(value - expected), 0.0, 1e-6)
+      << value.x << " " << value.y << " " << value.z;
+}
+
+TEST(GltfAnimation, ALinearTranslationMovesTheMeshAndBeginsAgain) {
+  const auto scene = AnimatedFile{}.load();
+  ASSERT_TRUE(scene) << scene.error().message();
+  EXPECT_TRUE((*scene)->warnings.empty());
+  ASSERT_EQ((*scene)->joints.size(), 1U);
+  EXPECT_TRUE(check_motion(**scene));
+  expect_near(corner(**scene, 0.0), {1, 0, 0});
+  expect_near(corner(**scene, 0.5), {2, 0, 0});
+  expect_near(corner(**scene, 2.5), {2, 0, 0});
+}
+
+TEST(GltfAnimation, AStepHoldsTheEarlierKey) {
+  AnimatedFile file;
+  file.interpolation = "STEP";
+  const auto scene = file.load();
+  ASSERT_TRUE(scene) << scene.error().message();
+  expect_near(corner(**scene, 1.9), {1, 0, 0});
+}
+
+// Hermite at the middle of [0, 2] between 0 and 4 with tangents 0 in and out: (0 + 4) / 2 = 2; at a
+// quarter, h01 = 3 u^2 - 2 u^3 = 0.15625, so 0.625.
+TEST(GltfAnimation, ACubicSplineFollowsItsTangents) {
+  AnimatedFile file;
+  file.interpolation = "CUBICSPLINE";
+  file.value_count = 6;
+  file.values = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 0, 0, 0, 0, 0};
+  const auto scene = file.load();
+  ASSERT_TRUE(scene) << scene.error().message();
+  expect_near(corner(**scene, 1.0), {3, 0, 0});
+  expect_near(corner(**scene, 0.5), {1.625, 0, 0});
+}
+
+// A quarter turn about +Z over two seconds: after one second (1, 0, 0) stands at 45 degrees.
+TEST(GltfAnimation, RotationsTurnOnTheShorterArc) {
+  AnimatedFile file;
+  const float half = std::numbers::sqrt2_v<float> / 2.0F;
+  file.channels = R"([{"sampler":0,"target":{"node":0,"path":"rotation"}}])";
+  file.type = "VEC4";
+  file.values = {0, 0, 0, 1, 0, 0, half, half};
+  const auto scene = file.load();
+  ASSERT_TRUE(scene) << scene.error().message();
+  expect_near(corner(**scene, 1.0), {half, half, 0});
+}
+
+// Still parent (moved by 10 in y, doubled), moving node (0 to 4 in x), still child (moved by 1 in
+// z) that holds the mesh: (1, 0, 0) -> (1, 0, 1) -> (1 + x, 0, 1) -> doubled and lifted.
+TEST(GltfAnimation, StillNodesAboveAndBelowAMovingOneKeepTheirPlace) {
+  AnimatedFile file;
+  file.nodes =
+      R"([{"translation":[0,10,0],"scale":[2,2,2],"children":[1]},{"children":[2]},{"mesh":0,"translation":[0,0,1]}])";
+  file.channels = R"([{"sampler":0,"target":{"node":1,"path":"translation"}}])";
+  const auto scene = file.load();
+  ASSERT_TRUE(scene) << scene.error().message();
+  expect_near(corner(**scene, 0.0), {2, 10, 2});
+  expect_near(corner(**scene, 1.0), {6, 10, 2});
+}
+
+TEST(GltfAnimation, LightsAndCamerasRideOnMovingNodes) {
+  AnimatedFile file;
+  file.nodes =
+      R"([{"children":[1,2]},{"mesh":0},{"camera":0,"extensions":{"KHR_lights_punctual":{"light":0}}}])";
+  std::string json = file.json();
+  json = replaced(json, R"("asset":)",
+                  R"("cameras":[{"type":"perspective","perspective":{"yfov":0.75,"znear":0.1}}],)"
+                  R"("extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}},"asset":)");
+  const TemporaryFolder folder;
+  folder.write("t.bin", test::triangle_bytes());
+  folder.write("k.bin", bytes_of(file.times) + bytes_of(file.values));
+  const auto scene = load_scene(folder.write("moving.gltf", json));
+  ASSERT_TRUE(scene) << scene.error().message();
+  const ScenePose pose = pose_at(**scene, at(1.0));
+  expect_near(pose.lights.at(0).position, {2, 0, 0});
+  expect_near(pose.world_from_view.at(0).position, {2, 0, 0});
+}
+
+TEST(GltfAnimation, ANodeThatMirrorsAtRestKeepsItsFrontWhileItMoves) {
+  AnimatedFile file;
+  file.nodes = R"([{"mesh":0,"scale":[-1,1,1]}])";
+  const auto scene = file.load();
+  ASSERT_TRUE(scene) << scene.error().message();
+  const ScenePose pose = pose_at(**scene, at(1.0));
+  const Mesh& mesh = (*scene)->meshes[(*scene)->instances[0].mesh];
+  const auto moved = [&](Index i) {
+    return DVec3(pose.world_from_object[0] * DVec4(DVec3(mesh.positions[i]), 1.0));
+  };
+  const UVec3 t = mesh.triangles[0];
+  EXPECT_GT(cross(moved(t.y) - moved(t.x), moved(t.z) - moved(t.x)).z, 0.0);
+  EXPECT_GT(glm::determinant(DMat3(pose.world_from_object[0])), 0.0);
+}
+
+TEST(GltfAnimation, MorphWeightsAreIgnoredWithAWarning) {
+  AnimatedFile file;
+  file.channels = R"([{"sampler":0,"target":{"node":0,"path":"weights"}}])";
+  const auto scene = file.load();
+  ASSERT_TRUE(scene) << scene.error().message();
+  ASSERT_EQ((*scene)->warnings.size(), 1U);
+  EXPECT_NE((*scene)->warnings[0].find("morph"), std::string::npos);
+}
+
+struct Lie {
+  const char* name;
+  const char* says;
+  void (*tell)(AnimatedFile&);
+};
+std::ostream& operator<<(std::ostream& out, const Lie& lie) {
+  return out << lie.name;
+}
+class LyingAnimation : public testing::TestWithParam<Lie> {};
+
+TEST_P(LyingAnimation, GivesOneClearLine) {
+  AnimatedFile file;
+  GetParam().tell(file);
+  const auto scene = file.load();
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message().find(GetParam().says), std::string::npos)
+      << scene.error().message();
+  EXPECT_NE(scene.error().message().find("animation 0 channel 0"), std::string::npos);
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+const Lie kLies[] = {
+    {"TimesFall", "key 1",
+     [](AnimatedFile& file) {
+       file.times = {2, 1};
+     }},
+    {"TimesStandStill", "key 1",
+     [](AnimatedFile& file) {
+       file.times = {1, 1};
+     }},
+    {"TimeIsNegative", "key 0",
+     [](AnimatedFile& file) {
+       file.times = {-1, 1};
+     }},
+    {"TimeIsNotANumber", "key 1",
+     [](AnimatedFile& file) {
+       file.times = {0, kNan};
+     }},
+    {"ValueIsNotANumber", "value 1", [](AnimatedFile& file) { file.values[4] = kNan; }},
+    {"ValuesAreTooFew", "1 values for 2 keys", [](AnimatedFile& file) { file.value_count = 1; }},
+    {"SplineLacksTangents", "2 values for 2 keys",
+     [](AnimatedFile& file) { file.interpolation = "CUBICSPLINE"; }},
+    {"InterpolationIsUnknown", "BEZIER", [](AnimatedFile& file) { file.interpolation = "BEZIER"; }},
+    {"NodeIsMissing", "node 9",
+     [](AnimatedFile& file) {
+       file.channels = R"([{"sampler":0,"target":{"node":9,"path":"scale"}}])";
+     }},
+    {"SamplerIsMissing", "sampler 5",
+     [](AnimatedFile& file) {
+       file.channels = R"([{"sampler":5,"target":{"node":0,"path":"scale"}}])";
+     }},
+    {"RotationHasNoDirection", "value 0",
+     [](AnimatedFile& file) {
+       file.channels = R"([{"sampler":0,"target":{"node":0,"path":"rotation"}}])";
+       file.type = "VEC4";
+       file.values = {0, 0, 0, 0, 0, 0, 0, 1};
+     }},
+};
+INSTANTIATE_TEST_SUITE_P(Each, LyingAnimation, testing::ValuesIn(kLies),
+                         [](const auto& lie) { return std::string(lie.param.name); });
+
+TEST(GltfAnimation, TwoChannelsForOnePartOfANodeAreRefused) {
+  AnimatedFile file;
+  const std::string one = R"({"sampler":0,"target":{"node":0,"path":"translation"}})";
+  file.channels = "[" + one + "," + one + "]";
+  const auto scene = file.load();
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message().find("two channels"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace macula::scene
