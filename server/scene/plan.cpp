@@ -56,6 +56,15 @@ bool is_glossy(const Material& material) {
   return material.specular > 0.0F || material.metallic > 0.0F;
 }
 
+/// By material: whether an instance shows it.
+std::vector<bool> materials_shown(const Scene& scene) {
+  std::vector<bool> shown(scene.materials.size());
+  for (const Instance& instance : scene.instances) {
+    shown[scene.meshes[instance.mesh].material] = true;
+  }
+  return shown;
+}
+
 bool any_positive(const Rgb& c) {
   return c.x > 0.0F || c.y > 0.0F || c.z > 0.0F;
 }
@@ -139,7 +148,10 @@ SceneFacts facts_of(const Scene& scene) {
   facts.triangles = scene.triangle_count();
   facts.emissive_triangles = scene.emissive_triangle_count();
   facts.lights = scene.lights.size();
-  for (const Material& material : scene.materials) {
+  const std::vector<bool> shown = materials_shown(scene);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (!shown[i]) continue;
+    const Material& material = scene.materials[i];
     facts.textured_materials += is_textured(material) ? 1 : 0;
     facts.masked_materials += material.alpha_mode != AlphaMode::Opaque ? 1 : 0;
     facts.glossy_materials += is_glossy(material) ? 1 : 0;

@@ -19,9 +19,9 @@ struct SceneFacts {
   std::size_t triangles = 0;           ///< over instances
   std::size_t emissive_triangles = 0;  ///< over instances
   std::size_t lights = 0;              ///< point, spot and directional
-  std::size_t textured_materials = 0;
-  std::size_t masked_materials = 0;  ///< alpha tested: Mask or Blend
-  std::size_t glossy_materials = 0;  ///< with a specular lobe, however weak
+  std::size_t textured_materials = 0;  ///< materials count where an instance shows them
+  std::size_t masked_materials = 0;    ///< alpha tested: Mask or Blend
+  std::size_t glossy_materials = 0;    ///< with a specular lobe, however weak
   bool has_ambient = false;
   bool is_sdf = false;  ///< described by distances, not triangles
 };

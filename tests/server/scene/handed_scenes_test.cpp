@@ -1,5 +1,6 @@
 // Scenes made by other people, with the counts their collection states.
 #include <algorithm>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 
@@ -10,12 +11,12 @@ namespace macula::scene {
 namespace {
 
 struct Stated {
-  const char* name;
+  const char* file;  ///< in scenes/
   std::size_t triangles, emissive, materials;
   double meters_per_unit;
 };
 std::ostream& operator<<(std::ostream& out, const Stated& stated) {
-  return out << stated.name;
+  return out << stated.file;
 }
 
 std::string file_of(const std::string& name) {
@@ -30,8 +31,9 @@ class HandedScene : public testing::TestWithParam<Stated> {};
 
 TEST_P(HandedScene, LoadsWithItsStatedCounts) {
   const Stated& stated = GetParam();
-  MACULA_NEEDS_HANDED_DATA(file_of(stated.name));
-  const auto scene = load_handed(stated.name);
+  const std::string file = std::string("scenes/") + stated.file;
+  MACULA_NEEDS_HANDED_DATA(file);
+  const auto scene = load_scene((test::handed_data() / file).string());
   ASSERT_TRUE(scene) << scene.error().message();
   EXPECT_EQ((*scene)->triangle_count(), stated.triangles);
   EXPECT_EQ((*scene)->emissive_triangle_count(), stated.emissive);
@@ -39,15 +41,45 @@ TEST_P(HandedScene, LoadsWithItsStatedCounts) {
   EXPECT_EQ((*scene)->settings.meters_per_unit, stated.meters_per_unit);
   EXPECT_TRUE(math::is_valid((*scene)->settings.scene_from_stage));
 }
-INSTANTIATE_TEST_SUITE_P(Each, HandedScene,
-                         testing::Values(Stated{"crytek_sponza", 262'267, 0, 25, 0.01},
-                                         Stated{"bistro_interior", 202'440, 41'753, 40, 0.01},
-                                         Stated{"living_room", 143'163, 0, 19, 1.0},
-                                         Stated{"modern_hall", 31'247, 336, 21, 1.0},
-                                         Stated{"breakfast_room", 269'538, 0, 15, 1.0},
-                                         Stated{"cornell_box", 36, 2, 8, 1.0},
-                                         Stated{"veach_mis", 11'956, 11'904, 8, 1.0}),
-                         [](const auto& stated) { return std::string(stated.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Each, HandedScene,
+    testing::Values(Stated{"crytek_sponza/crytek_sponza.gltf", 262'267, 0, 25, 0.01},
+                    Stated{"bistro_interior/bistro_interior.gltf", 202'440, 41'753, 40, 0.01},
+                    Stated{"living_room/living_room.gltf", 143'163, 0, 19, 1.0},
+                    Stated{"modern_hall/modern_hall.gltf", 31'247, 336, 21, 1.0},
+                    Stated{"breakfast_room/breakfast_room.gltf", 269'538, 0, 15, 1.0},
+                    Stated{"cornell_box/cornell_box.gltf", 36, 2, 8, 1.0},
+                    Stated{"cornell_box/cornell_box.obj", 36, 2, 8, 1.0},
+                    Stated{"veach_mis/veach_mis.gltf", 11'956, 11'904, 8, 1.0},
+                    Stated{"ignis_direct/Bottom.ply", 2, 0, 0, 1.0},
+                    Stated{"ignis_direct/Top.ply", 2, 0, 0, 1.0}),
+    [](const auto& stated) {
+      std::string name = std::filesystem::path(stated.param.file).filename().string();
+      for (char& c : name) c = c == '.' ? '_' : c;
+      return name;
+    });
+
+// The same room in two formats, read by two importers.
+TEST(HandedCornellBox, IsTheSameRoomAsGltfAndAsObj) {
+  MACULA_NEEDS_HANDED_DATA(file_of("cornell_box"));
+  const auto gltf = load_handed("cornell_box");
+  const auto obj =
+      load_scene((test::handed_data() / "scenes/cornell_box/cornell_box.obj").string());
+  ASSERT_TRUE(gltf) << gltf.error().message();
+  ASSERT_TRUE(obj) << obj.error().message();
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR((*gltf)->bounds().minimum[axis], (*obj)->bounds().minimum[axis], 1e-5);
+    EXPECT_NEAR((*gltf)->bounds().maximum[axis], (*obj)->bounds().maximum[axis], 1e-5);
+  }
+  for (const Material& material : (*gltf)->materials) {
+    const auto same = std::find_if((*obj)->materials.begin(), (*obj)->materials.end(),
+                                   [&](const Material& m) { return m.name == material.name; });
+    if (same == (*obj)->materials.end()) continue;
+    EXPECT_NEAR(glm::length(same->base_color - material.base_color), 0.0F, 1e-5F) << material.name;
+    EXPECT_NEAR(glm::length(same->emission - material.emission), 0.0F, 1e-4F) << material.name;
+    EXPECT_EQ(same->specular, material.specular) << material.name;
+  }
+}
 
 TEST(HandedCornellBox, KeepsItsMaterialsAndCamera) {
   MACULA_NEEDS_HANDED_DATA(file_of("cornell_box"));

@@ -95,10 +95,15 @@ TEST(ScenePlan, OneStepCanBeForcedOrForbiddenAndTheRestStays) {
   }
 }
 
-TEST(ScenePlan, FactsCountWhatTheSceneHolds) {
+TEST(ScenePlan, FactsCountWhatTheSceneShows) {
   Scene scene;
-  scene.materials.resize(3);
-  for (Material& material : scene.materials) material.specular = 0.0F;
+  scene.materials.resize(4);  // the last one, glossy, is on no mesh
+  scene.meshes.resize(3);
+  for (Index i = 0; i < 3; ++i) {
+    scene.meshes[i].material = i;
+    scene.instances.push_back({i});
+  }
+  for (Index i = 0; i < 3; ++i) scene.materials[i].specular = 0.0F;
   scene.materials[0].specular = 0.2F;
   scene.materials[1].alpha_mode = AlphaMode::Mask;
   scene.materials[2].base_color_texture = TextureRef{};
