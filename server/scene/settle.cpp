@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <iomanip>
+#include <map>
 #include <numbers>
 #include <sstream>
 
@@ -44,32 +45,78 @@ void scale_to_meters(Scene& scene, double meters_per_unit) {
   }
 }
 
-/// Calls visit(mesh, a, b, c) with every triangle's world corners at time 0.
-template <class Visit>
-void for_each_triangle(const Scene& scene, const Visit& visit) {
+/// An instance at time 0, for questions about its triangles.
+struct PlacedMesh {
+  const Mesh& mesh;
+  std::span<const Vec3> positions;
+  const DMat4& world_from_object;
+
+  DVec3 corner(Index vertex) const {
+    return DVec3(world_from_object * DVec4(DVec3(positions[vertex]), 1.0));
+  }
+};
+
+/// Calls visit(mesh, a, b, c) with the world corners of every triangle of the instances that are
+/// wanted(placed).
+template <class Wanted, class Visit>
+void for_each_triangle(const Scene& scene, const Wanted& wanted, const Visit& visit) {
   const ScenePose pose = pose_at(scene, {});
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
-    const std::span<const Vec3> positions = pose.positions(scene, scene.instances[i].mesh);
-    const DMat4& world_from_object = pose.world_from_object[i];
-    std::vector<DVec3> corners(positions.size());
-    std::transform(positions.begin(), positions.end(), corners.begin(),
-                   [&](const Vec3& p) { return DVec3(world_from_object * DVec4(DVec3(p), 1.0)); });
-    for (const UVec3& t : mesh.triangles) visit(mesh, corners[t.x], corners[t.y], corners[t.z]);
+    const Index mesh = scene.instances[i].mesh;
+    const PlacedMesh placed{scene.meshes[mesh], pose.positions(scene, mesh),
+                            pose.world_from_object[i]};
+    if (!wanted(placed)) continue;
+    for (const UVec3& t : placed.mesh.triangles) {
+      visit(placed.mesh, placed.corner(t.x), placed.corner(t.y), placed.corner(t.z));
+    }
   }
 }
 
+/// The boxes of meshes in object space, each computed at first use.
+class MeshBoxes {
+ public:
+  /// Whether the vertical line through (x, z) passes through the placed mesh's box.
+  bool may_meet(const PlacedMesh& placed, double x, double z) {
+    const Bounds& box = box_of(placed);
+    const DMat4& m = placed.world_from_object;
+    const DVec3 centre(m * DVec4(box.centre(), 1.0)), half = 0.5 * box.size();
+    const auto reach = [&](int axis) {
+      return std::abs(m[0][axis]) * half.x + std::abs(m[1][axis]) * half.y +
+             std::abs(m[2][axis]) * half.z;
+    };
+    // Rounding of a sum of a few products, generously.
+    const double slack = 1e-9 * (std::abs(centre.x) + std::abs(centre.z) + reach(0) + reach(2));
+    return std::abs(x - centre.x) <= reach(0) + slack && std::abs(z - centre.z) <= reach(2) + slack;
+  }
+
+ private:
+  const Bounds& box_of(const PlacedMesh& placed) {
+    Bounds& box = boxes_[&placed.mesh];
+    if (box.empty()) {
+      for (const Vec3& position : placed.positions) box.include(DVec3(position));
+    }
+    return box;
+  }
+  std::map<const Mesh*, Bounds> boxes_;
+};
+
 /// Heights at which the vertical line through (x, z) meets the scene, ascending.
 std::vector<double> heights_at(const Scene& scene, double x, double z) {
+  constexpr std::size_t kEnough = 1'000'000;  // no honest place lies under so many surfaces
   std::vector<double> heights;
+  MeshBoxes boxes;
   const auto side = [x, z](const DVec3& a, const DVec3& b) {
     return (b.x - a.x) * (z - a.z) - (b.z - a.z) * (x - a.x);
   };
-  for_each_triangle(scene, [&](const Mesh&, const DVec3& a, const DVec3& b, const DVec3& c) {
-    const double wa = side(b, c), wb = side(c, a), wc = side(a, b), sum = wa + wb + wc;
-    const bool inside = (wa >= 0 && wb >= 0 && wc >= 0) || (wa <= 0 && wb <= 0 && wc <= 0);
-    if (inside && sum != 0.0) heights.push_back((wa * a.y + wb * b.y + wc * c.y) / sum);
-  });
+  for_each_triangle(
+      scene, [&](const PlacedMesh& placed) { return boxes.may_meet(placed, x, z); },
+      [&](const Mesh&, const DVec3& a, const DVec3& b, const DVec3& c) {
+        const double wa = side(b, c), wb = side(c, a), wc = side(a, b), sum = wa + wb + wc;
+        const bool inside = (wa >= 0 && wb >= 0 && wc >= 0) || (wa <= 0 && wb <= 0 && wc <= 0);
+        if (inside && sum != 0.0 && heights.size() < kEnough) {
+          heights.push_back((wa * a.y + wb * b.y + wc * c.y) / sum);
+        }
+      });
   std::sort(heights.begin(), heights.end());
   return heights;
 }
@@ -141,11 +188,14 @@ void give_default_light(Scene& scene) {
 /// Radiant power over pi: emitting triangles as Lambertian sources, point lights over the sphere.
 double emitted_flux_over_pi(const Scene& scene) {
   double flux = 0.0;
-  for_each_triangle(scene, [&](const Mesh& mesh, const DVec3& a, const DVec3& b, const DVec3& c) {
-    const Material& material = scene.materials[mesh.material];
-    if (!material.emits()) return;
-    flux += image::luminance(material.emission) * 0.5 * glm::length(cross(b - a, c - a));
-  });
+  const auto emits = [&scene](const PlacedMesh& placed) {
+    return scene.materials[placed.mesh.material].emits();
+  };
+  for_each_triangle(scene, emits,
+                    [&](const Mesh& mesh, const DVec3& a, const DVec3& b, const DVec3& c) {
+                      const Rgb& emission = scene.materials[mesh.material].emission;
+                      flux += image::luminance(emission) * 0.5 * glm::length(cross(b - a, c - a));
+                    });
   for (const Light& light : scene.lights) {
     if (light.kind != LightKind::Directional) flux += 4.0 * image::luminance(light.intensity);
   }

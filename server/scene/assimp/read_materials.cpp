@@ -91,10 +91,11 @@ void read_highlight(const aiMaterial& from, MaterialNumbers& to) {
   if (const auto strength = number(from, AI_MATKEY_SHININESS_STRENGTH)) specular *= *strength;
   const float largest = std::max({specular.x, specular.y, specular.z});
   const auto metallic = number(from, AI_MATKEY_METALLIC_FACTOR);
-  const auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR);
+  const float exponent = number(from, AI_MATKEY_SHININESS).value_or(0.0F);
+  auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR);
+  if (!metallic && exponent > 0.0F) roughness.reset();  // assimp's own guess from the exponent
   to.metallic = metallic.value_or(0.0F);
-  to.roughness =
-      roughness.value_or(roughness_of_exponent(number(from, AI_MATKEY_SHININESS).value_or(0.0F)));
+  to.roughness = roughness.value_or(roughness_of_exponent(exponent));
   if (metallic || roughness) {
     to.specular = 1.0F;  // physically based numbers: the ordinary dielectric beside the metal
   } else if (illumination >= 2 && largest > 0.0F && std::isfinite(largest)) {

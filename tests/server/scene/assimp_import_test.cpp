@@ -178,6 +178,82 @@ TEST(ColladaImport, UnitAndUpAxisAreTheFilesOwn) {
   EXPECT_NEAR((*scene)->bounds().maximum.x, 0.5, 1e-6);
 }
 
+// Centimeters by its own word; Phong's exponent 98 as for MTL, not assimp's guess from it.
+constexpr const char* kFbx = R"(; FBX 7.3.0 project file
+FBXHeaderExtension:  {
+FBXHeaderVersion: 1003
+FBXVersion: 7300
+Creator: "by hand"
+}
+GlobalSettings:  {
+Version: 1000
+Properties70:  {
+P: "UnitScaleFactor", "double", "Number", "",1
+}
+}
+Objects:  {
+Geometry: 1001, "Geometry::g", "Mesh" {
+Vertices: *9 {
+a: 0,0,0,100,0,0,0,100,0
+}
+PolygonVertexIndex: *3 {
+a: 0,1,-3
+}
+GeometryVersion: 124
+LayerElementMaterial: 0 {
+Version: 101
+Name: ""
+MappingInformationType: "AllSame"
+ReferenceInformationType: "IndexToDirect"
+Materials: *1 {
+a: 0
+}
+}
+Layer: 0 {
+Version: 100
+LayerElement:  {
+Type: "LayerElementMaterial"
+TypedIndex: 0
+}
+}
+}
+Model: 1002, "Model::m", "Mesh" {
+Version: 232
+Properties70:  {
+P: "Lcl Translation", "Lcl Translation", "", "A",0,200,0
+}
+}
+Material: 1003, "Material::paint", "" {
+Version: 102
+ShadingModel: "phong"
+MultiLayer: 0
+Properties70:  {
+P: "DiffuseColor", "Color", "", "A",0.5,0.25,0.125
+P: "SpecularColor", "Color", "", "A",0.5,0.5,0.5
+P: "ShininessExponent", "Number", "", "A",98
+P: "EmissiveColor", "Color", "", "A",0,0,0
+}
+}
+}
+Connections:  {
+C: "OO",1002,0
+C: "OO",1001,1002
+C: "OO",1003,1002
+}
+)";
+
+TEST(FbxImport, UnitAndMaterialAreTheFilesOwn) {
+  const TemporaryFolder folder;
+  const auto scene = load_scene(folder.write("m.fbx", kFbx));
+  ASSERT_TRUE(scene) << scene.error().message();
+  EXPECT_EQ((*scene)->settings.meters_per_unit, 0.01);
+  EXPECT_NEAR((*scene)->bounds().minimum.y, 2.0, 1e-6);
+  EXPECT_NEAR((*scene)->bounds().maximum.x, 1.0, 1e-6);
+  EXPECT_NEAR(paint(**scene).base_color.y, 0.25F, 1e-6F);
+  EXPECT_NEAR(paint(**scene).roughness, std::sqrt(std::sqrt(0.02)), 1e-6);
+  EXPECT_TRUE(warns_of(**scene, "0.01 m"));
+}
+
 /// What a scene promises, whatever the file said.
 void expect_sound(const Scene& scene) {
   for (const Instance& instance : scene.instances) ASSERT_LT(instance.mesh, scene.meshes.size());
@@ -201,6 +277,7 @@ TEST(AssimpImport, RandomDamageEndsInAnErrorOrASoundScene) {
        "0\n"
        "3 0 1 2\n"},
       {"d.dae", kCollada},
+      {"d.fbx", kFbx},
       {"d.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
   };
   int refused = 0;
