@@ -211,6 +211,7 @@ Result<std::vector<Index>> MeshImporter::require(int mesh_index) {
     }
     if (!primitive.targets.empty())
       warnings_.add("morph targets are ignored: meshes keep their base shape");
+    if (primitive.attributes.contains("COLOR_0")) warnings_.add("colours of vertices are ignored");
     const std::string place = base::concat(
         document_.place("mesh", static_cast<std::size_t>(mesh_index)), " primitive ", i);
     Result<Mesh> mesh = import_primitive(primitive, place);

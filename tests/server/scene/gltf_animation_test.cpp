@@ -7,6 +7,7 @@
 #include "gltf_file.h"
 #include "server/scene/animation.h"
 #include "server/scene/load.h"
+#include "shared/math/hash.h"
 
 namespace macula::scene {
 namespace {
@@ -233,6 +234,34 @@ const Lie kLies[] = {
 };
 INSTANTIATE_TEST_SUITE_P(Each, LyingAnimation, testing::ValuesIn(kLies),
                          [](const auto& lie) { return std::string(lie.param.name); });
+
+TEST(GltfAnimation, RandomDamageEndsInAnErrorOrInSoundMotion) {
+  const TemporaryFolder folder;
+  folder.write("t.bin", test::triangle_bytes());
+  AnimatedFile file;
+  file.interpolation = "CUBICSPLINE";
+  file.value_count = 6;
+  file.values.assign(18, 0.5F);
+  const std::string json = file.json(), keys = bytes_of(file.times) + bytes_of(file.values);
+  int refused = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    std::string damaged_json = json, damaged_keys = keys;
+    for (std::uint64_t k = 0; k < 1 + seed % 3; ++k) {
+      const std::uint64_t hash = math::hash_combine(seed, k);
+      std::string& damaged = hash % 2 == 0 ? damaged_json : damaged_keys;
+      damaged[(hash >> 8) % damaged.size()] = static_cast<char>(hash >> 40);
+    }
+    folder.write("k.bin", damaged_keys);
+    const auto scene = load_scene(folder.write("moving.gltf", damaged_json));
+    refused += scene ? 0 : 1;
+    if (!scene) continue;
+    EXPECT_TRUE(check_motion(**scene));
+    EXPECT_FALSE((*scene)->instances.empty());
+    pose_at(**scene, at(0.7));
+  }
+  EXPECT_GT(refused, 150);
+  EXPECT_LT(refused, 600);
+}
 
 TEST(GltfAnimation, TwoChannelsForOnePartOfANodeAreRefused) {
   AnimatedFile file;
