@@ -50,6 +50,13 @@ bool is_textured(const Material& material) {
          material.emission_texture;
 }
 
+/// Whether alpha can take anything of its surface away.
+bool may_be_absent(const Material& material) {
+  if (material.alpha_mode == AlphaMode::Opaque) return false;
+  const float least = material.alpha_mode == AlphaMode::Mask ? material.alpha_cutoff : 1.0F;
+  return material.base_color_texture.has_value() || material.alpha < least;
+}
+
 /// Reflects anything at normal or at grazing incidence (shading::MaterialTable): metal by its base
 /// colour, a dielectric unless KHR_materials_specular turns that off.
 bool is_glossy(const Material& material) {
@@ -100,7 +107,7 @@ constexpr std::array kSteps{
     StepRule{Step::AlphaTest, "alpha test",
              [](const SceneFacts& facts, const Wishes&) {
                return if_any(facts.masked_materials, "masked or blended materials",
-                             "every material is opaque");
+                             "every surface is opaque");
              }},
     StepRule{Step::Textures, "texture mip maps",
              [](const SceneFacts& facts, const Wishes&) {
@@ -153,7 +160,7 @@ SceneFacts facts_of(const Scene& scene) {
     if (!shown[i]) continue;
     const Material& material = scene.materials[i];
     facts.textured_materials += is_textured(material) ? 1 : 0;
-    facts.masked_materials += material.alpha_mode != AlphaMode::Opaque ? 1 : 0;
+    facts.masked_materials += may_be_absent(material) ? 1 : 0;
     facts.glossy_materials += is_glossy(material) ? 1 : 0;
   }
   facts.has_ambient = any_positive(scene.settings.ambient);

@@ -80,8 +80,14 @@ const Expected kOwn[] = {
       .more = kTexture},
      {"triangle BVH", "texture mip maps", "point, spot and directional lights"}},
     {"Masked",
+     {.material =
+          R"({"extensions":{"KHR_materials_specular":{"specularFactor":0}},"alphaMode":"MASK",)"
+          R"("pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0}}})",
+      .more = kTexture},
+     {"triangle BVH", "alpha test", "texture mip maps", "point, spot and directional lights"}},
+    {"MaskedByNothing",
      {.material = std::string("{") + kMatt + R"(,"alphaMode":"MASK"})"},
-     {"triangle BVH", "alpha test", "point, spot and directional lights"}},
+     {"triangle BVH", "point, spot and directional lights"}},
     {"AreaLight",
      {.material = std::string("{") + kMatt + R"(,"emissiveFactor":[1,1,1]})", .side = ""},
      {"triangle BVH", "area-light table and sampling"}},

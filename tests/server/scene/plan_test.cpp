@@ -106,6 +106,8 @@ TEST(ScenePlan, FactsCountWhatTheSceneShows) {
   for (Index i = 0; i < 3; ++i) scene.materials[i].specular = 0.0F;
   scene.materials[0].specular = 0.2F;
   scene.materials[1].alpha_mode = AlphaMode::Mask;
+  scene.materials[1].alpha = 0.25F;
+  scene.materials[0].alpha_mode = AlphaMode::Mask;  // of alpha 1 everywhere: nothing to test
   scene.materials[2].base_color_texture = TextureRef{};
   scene.lights.resize(5);
   scene.settings.ambient = Rgb{0.1F};
