@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace macula::sdf {
 namespace {
 
-/// How far a hit may be moved onto the surface, in hit distances: enough for rays that meet it at
-/// 4 degrees or more.
-constexpr float kNewtonReach = 16.0F;
+/// Rays along which the distance falls less than this (met at one degree or less) stay where they
+/// are: there a Newton step would be long and its direction chance.
+constexpr float kNewtonSlope = 1.0F / 64.0F;
+/// What a Newton step must leave of the distance at most.
+constexpr float kNewtonGain = 0.5F;
 
 class SlabMarch {
  public:
@@ -55,24 +58,25 @@ class SlabMarch {
 
 class SurfaceFinder {
  public:
-  SurfaceFinder(float hit_m, TraceScratch& scratch, std::vector<Hit>& hits)
-      : hit_m_(hit_m), s_(scratch), hits_(hits) {}
+  SurfaceFinder(TraceScratch& scratch, std::vector<Hit>& hits) : s_(scratch), hits_(hits) {}
 
   void run(Slab& slab) {
     const Tape& tape = s_.block_slabs.tape_of(slab);
     for (std::size_t first = 0; first < slab.hits.size(); first += kBatch) {
-      const std::size_t count = std::min(kBatch, slab.hits.size() - first);
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::uint32_t id = slab.hits[first + i];
-        s_.points.set(i, s_.results[id].at * s_.rays[id]);
-      }
-      evaluate_surface(tape, s_.points, count, s_.registers, s_.surfaces);
-      for (std::size_t i = 0; i < count; ++i) take(i, slab.hits[first + i]);
+      const std::span<const std::uint32_t> ids(slab.hits.data() + first,
+                                               std::min(kBatch, slab.hits.size() - first));
+      for (std::size_t i = 0; i < ids.size(); ++i)
+        s_.points.set(i, s_.results[ids[i]].at * s_.rays[ids[i]]);
+      evaluate_surface(tape, s_.points, ids.size(), s_.registers, s_.surfaces);
+      for (std::size_t i = 0; i < ids.size(); ++i) take(i, ids[i], slab);
+      evaluate(tape, s_.points, ids.size(), s_.registers, s_.distances);
+      for (std::size_t i = 0; i < ids.size(); ++i) settle(i, ids[i]);
     }
   }
 
  private:
-  void take(std::size_t i, std::uint32_t id) {
+  /// Normal and material; the point a Newton step ahead into s_.points.
+  void take(std::size_t i, std::uint32_t id, const Slab& slab) {
     const float at = s_.results[id].at;
     Hit& hit = hits_[id];
     const Vec3 gradient{s_.surfaces.x[i], s_.surfaces.y[i], s_.surfaces.z[i]};
@@ -82,12 +86,18 @@ class SurfaceFinder {
     hit.normal = usable ? gradient / length : -hit.direction;
     hit.material = s_.surfaces.material[i];
     const float falls = -glm::dot(gradient, hit.direction);
-    const float reach = kNewtonReach * (s_.widths[id] * at + hit_m_);
-    const float rest = s_.surfaces.distance[i] / std::max(falls, 1e-3F);
-    if (std::isfinite(rest)) hit.t = std::max(0.0F, at + std::clamp(rest, -reach, reach));
+    const float ahead = at + s_.surfaces.distance[i] / falls;
+    const bool moves = usable && falls > kNewtonSlope && ahead >= slab.low && ahead < slab.high;
+    hit.t = moves ? ahead : at;
+    s_.points.set(i, hit.t * hit.direction);
+  }
+  /// Near an edge the gradient may be that of a face the ray does not meet: the step counts only
+  /// where it led closer.
+  void settle(std::size_t i, std::uint32_t id) {
+    const float before = std::abs(s_.surfaces.distance[i]), after = std::abs(s_.distances.at[i]);
+    if (!(after <= kNewtonGain * before)) hits_[id].t = s_.results[id].at;
   }
 
-  float hit_m_;
   TraceScratch& s_;
   std::vector<Hit>& hits_;
 };
@@ -104,9 +114,9 @@ MarchWork march(Stepping stepping, MarchLimits limits, TraceScratch& scratch) {
   return work;
 }
 
-MarchWork find_surfaces(float hit_m, TraceScratch& scratch, std::vector<Hit>& hits) {
+MarchWork find_surfaces(TraceScratch& scratch, std::vector<Hit>& hits) {
   MarchWork work;
-  SurfaceFinder finder(hit_m, scratch, hits);
+  SurfaceFinder finder(scratch, hits);
   scratch.block_slabs.each_with_hits([&](Slab& slab) {
     finder.run(slab);
     work.evaluations += slab.hits.size();

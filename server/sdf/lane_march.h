@@ -16,7 +16,7 @@ struct MarchWork {
 MarchWork march(Stepping stepping, MarchLimits limits, TraceScratch& scratch);
 
 /// Normal and material of every hit lane into hits[id]; moves its t onto the surface by one Newton
-/// step along the ray of a few hit distances at most. `hit_m` as in TraceOptions.
-MarchWork find_surfaces(float hit_m, TraceScratch& scratch, std::vector<Hit>& hits);
+/// step along the ray, unless the ray grazes.
+MarchWork find_surfaces(TraceScratch& scratch, std::vector<Hit>& hits);
 
 }  // namespace macula::sdf

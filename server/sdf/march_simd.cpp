@@ -164,7 +164,8 @@ HWY_ATTR std::size_t advance_cones(Chunk& chunk, std::size_t count, const Distan
   std::size_t live = 0;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     Moving lanes(chunk, i, found);
-    const auto at = lanes.at, r = lanes.found;
+    // Beyond the end of the world nothing matters, and infinities would not survive below.
+    const auto at = lanes.at, r = hn::Min(lanes.found, set(2.0F * limits.far_m));
     const auto sine = hn::Load(d, chunk.width + i), half = hn::Load(d, chunk.half + i);
     const auto chord = hn::Mul(hn::Mul(set(2.0F), at), half);
     lanes.end(hn::Not(hn::Gt(r, hn::Mul(set(kConeStop), chord))), LaneState::Stopped);

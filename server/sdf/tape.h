@@ -38,6 +38,7 @@ Tape make_tape(std::span<const Instruction> code, const std::vector<float>& cons
 inline Tape make_tape(const Program& program) {
   return make_tape(program.code, program.constants);
 }
+Tape make_tape(Program&& program) = delete;  ///< its constants would be gone
 /// The same with a register for each instruction (register = index), so that every value can be
 /// read afterwards. At most 65535 instructions.
 Tape make_recording_tape(std::span<const Instruction> code, const std::vector<float>& constants);

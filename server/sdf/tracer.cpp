@@ -119,7 +119,7 @@ class TileTrace {
     count(march(prunes() ? Stepping::Relaxed : Stepping::Plain, limits_, s_),
           counts_.ray_evaluations);
     take_results(s_, counts_);
-    count(find_surfaces(limits_.hit_m, s_, s_.block.hits), counts_.surface_evaluations);
+    count(find_surfaces(s_, s_.block.hits), counts_.surface_evaluations);
     if (prunes()) counts_.prunings += s_.block_slabs.prunings();
     s_.block.cells = block_;
     done(s_.block);
@@ -236,6 +236,12 @@ Tracer::Tracer(const Program& program, const DMat3& scene_from_view, const Pixel
 Result<Tracer> Tracer::create(const Program& program, const DMat3& scene_from_view,
                               const PixelGrid& grid, const TraceOptions& options) {
   MACULA_CHECK(foveation::is_valid(grid), "a tracer needs a valid grid");
+  const auto is_finite = [](float constant) { return std::isfinite(constant); };
+  if (!std::all_of(program.constants.begin(), program.constants.end(), is_finite) ||
+      !math::is_finite(program.eye)) {
+    return base::bad_input("the field holds a number that is not finite", "field",
+                           "finite parameters, lights and cameras at every time");
+  }
   for (std::size_t i = 0; i < options.levels.size(); ++i) {
     if (!is_level(options.levels[i]) || (i > 0 && options.levels[i] >= options.levels[i - 1])) {
       return base::bad_input("levels are not descending powers of two", "levels",
