@@ -19,12 +19,34 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 
 constexpr std::array kBuiltIn{
-    BuiltIn{"atrium", "a court with vaulted arcades, curtains, plants and lanterns, under the sky",
-            built_in::atrium},
-    BuiltIn{"cornell", "the Cornell box at room scale, one area light, Lambertian",
-            built_in::cornell},
-    BuiltIn{"posts", "textured room with objects at 0.7 to 4 m and thin posts, for reprojection",
-            built_in::posts},
+    BuiltIn{"atrium",
+            "a court with vaulted arcades, curtains, plants and lanterns, under the sky",
+            built_in::atrium,
+            {965'974, 189'678, 88, 7}},
+    BuiltIn{"cornell",
+            "the Cornell box at room scale, one area light, Lambertian",
+            built_in::cornell,
+            {32, 32, 2, 0}},
+    BuiltIn{"cornell-lights",
+            "the Cornell box lit by glowing knots, burrs and beads",
+            built_in::cornell_lights,
+            {109'730, 109'730, 109'700, 0}},
+    BuiltIn{"nave",
+            "a cathedral's nave: barrel vault, arcades, stained glass, sun from above",
+            built_in::nave,
+            {1'396'786, 177'250, 5'876, 5}},
+    BuiltIn{"posts",
+            "textured room with objects at 0.7 to 4 m and thin posts, for reprojection",
+            built_in::posts,
+            {10'256, 10'256, 0, 1}},
+    BuiltIn{"tunnel-geometry",
+            "a bent tunnel with raised and rough panels: edges from geometry",
+            built_in::tunnel_geometry,
+            {434'924, 426'932, 4'400, 10}},
+    BuiltIn{"tunnel-maps",
+            "the same tunnel, smooth, with a checkerboard painted on it",
+            built_in::tunnel_maps,
+            {37'484, 29'492, 4'400, 10}},
 };
 
 std::string names_of_built_in_scenes() {
@@ -105,11 +127,19 @@ Result<std::shared_ptr<const Scene>> load_scene(const std::string& name_or_path)
                              ", or one of " + names_of_built_in_scenes());
 }
 
+SceneCounts counts_of(const Scene& scene) {
+  return {scene.triangle_count(), scene.unique_triangle_count(), scene.emissive_triangle_count(),
+          scene.lights.size()};
+}
+
 std::string describe_built_in_scenes() {
   std::ostringstream text;
   for (const BuiltIn& entry : kBuiltIn) {
-    text << std::left << std::setw(10) << entry.name << entry.summary << '\n'
-         << std::setw(10) << "" << describe(entry.make(kSeed)) << '\n';
+    const SceneCounts& counts = entry.counts;
+    text << std::left << std::setw(17) << entry.name << entry.summary << '\n'
+         << std::setw(17) << "" << counts.triangles << " triangles (" << counts.unique_triangles
+         << " unique, " << counts.emissive_triangles << " emissive), " << counts.lights
+         << " lights\n";
   }
   return std::move(text).str();
 }

@@ -1,6 +1,5 @@
 #include "server/scene/built_in/builder.h"
 
-
 namespace macula::scene::built_in {
 
 DMat4 translation(const DVec3& offset) {

@@ -3,6 +3,7 @@
 #include <array>
 
 #include "server/scene/built_in/builder.h"
+#include "server/scene/built_in/cornell_box.h"
 #include "server/scene/built_in/scenes.h"
 #include "server/scene/built_in/shapes.h"
 
@@ -33,7 +34,12 @@ Mesh block(std::string name, const std::array<Vec2, 4>& floor, float height) {
   return mesh;
 }
 
-void add_room(SceneBuilder& builder, Index white, Index red, Index green) {
+}  // namespace
+
+CornellMaterials add_cornell_room(SceneBuilder& builder) {
+  const Index white = builder.add(lambert("white", {0.725F, 0.71F, 0.68F}));
+  const Index red = builder.add(lambert("red", {0.63F, 0.065F, 0.05F}));
+  const Index green = builder.add(lambert("green", {0.14F, 0.45F, 0.091F}));
   const Vec3 floor_left = from_data(552.8F, 0, 0), floor_right = from_data(0, 0, 0);
   const Vec3 back_left = from_data(552.8F, 0, 559.2F), back_right = from_data(0, 0, 559.2F);
   const Vec3 up{0.0F, kMetersPerMillimeter * 548.8F, 0.0F};
@@ -42,20 +48,21 @@ void add_room(SceneBuilder& builder, Index white, Index red, Index green) {
   builder.place(quad("back wall", back_left, back_right, back_left + up), white);
   builder.place(quad("left wall", floor_left, back_left, floor_left + up), red);
   builder.place(quad("right wall", back_right, floor_right, back_right + up), green);
+  return {white, red, green};
 }
 
-}  // namespace
+void add_cornell_blocks(SceneBuilder& builder, Index material) {
+  builder.place(block("short block", {{{130, 65}, {82, 225}, {240, 272}, {290, 114}}}, 165),
+                material);
+  builder.place(block("tall block", {{{423, 247}, {265, 296}, {314, 456}, {472, 406}}}, 330),
+                material);
+}
 
 Scene cornell(std::uint64_t) {
   SceneBuilder builder("cornell");
-  const Index white = builder.add(lambert("white", {0.725F, 0.71F, 0.68F}));
-  const Index red = builder.add(lambert("red", {0.63F, 0.065F, 0.05F}));
-  const Index green = builder.add(lambert("green", {0.14F, 0.45F, 0.091F}));
+  const CornellMaterials materials = add_cornell_room(builder);
+  add_cornell_blocks(builder, materials.white);
   const Index light = builder.add(lamp("light", {17.0F, 12.0F, 4.0F}));
-  add_room(builder, white, red, green);
-  builder.place(block("short block", {{{130, 65}, {82, 225}, {240, 272}, {290, 114}}}, 165), white);
-  builder.place(block("tall block", {{{423, 247}, {265, 296}, {314, 456}, {472, 406}}}, 330),
-                white);
   // 1 mm (of the data) below the ceiling, facing down.
   builder.place(quad("lamp", from_data(343, 547.8F, 332), from_data(213, 547.8F, 332),
                      from_data(343, 547.8F, 227)),

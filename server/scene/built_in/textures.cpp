@@ -176,6 +176,14 @@ Image tiles(std::string name, int size_px, const Tiling& options, std::uint64_t 
   });
 }
 
+Image checkerboard(std::string name, int size_px, int checks, const Palette& palette) {
+  const auto count = static_cast<float>(checks);
+  return paint(std::move(name), size_px, [&](int, int, float u, float v) {
+    const bool odd = (static_cast<int>(u * count) + static_cast<int>(v * count)) % 2 != 0;
+    return odd ? palette.light : palette.dark;
+  });
+}
+
 Image wood(std::string name, int size_px, const Palette& palette, std::uint64_t seed) {
   const Field bend = noise(size_px, {.cells = 2, .octaves = 4, .stretch = {3, 1}}, seed);
   const Field fibre =
@@ -213,6 +221,32 @@ Image carpet(std::string name, int size_px, const Palette& palette, std::uint64_
       value = 0.1F + 0.5F * smoothstep(-0.1F, 0.1F, std::cos(4.0F * a) + std::cos(4.0F * b));
     const Vec3 color = mix(palette, value + 0.25F * wear(x, y));
     return color;
+  });
+}
+
+Image stained_glass(std::string name, int size_px, int cells, std::uint64_t seed) {
+  const Field bubbles = noise(size_px, {.cells = 16, .octaves = 5, .gain = 0.6F}, seed);
+  const auto count = static_cast<float>(cells);
+  constexpr std::array kGlass{Vec3{0.10F, 0.22F, 0.85F}, Vec3{0.85F, 0.10F, 0.12F},
+                              Vec3{0.95F, 0.72F, 0.18F}, Vec3{0.12F, 0.60F, 0.30F},
+                              Vec3{0.25F, 0.55F, 0.95F}, Vec3{0.90F, 0.88F, 0.80F}};
+  return paint(std::move(name), size_px, [&](int x, int y, float u, float v) {
+    // Nearest and second nearest of jittered points: where both are as near runs a lead.
+    const int cell_x = static_cast<int>(u * count), cell_y = static_cast<int>(v * count);
+    float nearest = 9.0F, second = 9.0F, pick = 0.0F;
+    for (int j = cell_y - 1; j <= cell_y + 1; ++j) {
+      for (int i = cell_x - 1; i <= cell_x + 1; ++i) {
+        const Vec2 point{static_cast<float>(i) + 0.5F + 0.45F * lattice_value(seed + 1, i, j),
+                         static_cast<float>(j) + 0.5F + 0.45F * lattice_value(seed + 2, i, j)};
+        const float distance = length(point - count * Vec2{u, v});
+        if (distance >= second) continue;
+        second = std::max(distance, nearest);
+        if (distance < nearest) nearest = distance, pick = lattice_value(seed + 3, i, j);
+      }
+    }
+    const auto index = static_cast<std::size_t>((0.5F + 0.5F * pick) * kGlass.size());
+    const float lead = smoothstep(0.04F, 0.10F, second - nearest);
+    return kGlass[std::min(index, kGlass.size() - 1)] * (0.75F + 0.4F * bubbles(x, y)) * lead;
   });
 }
 

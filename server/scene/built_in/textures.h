@@ -44,11 +44,15 @@ struct Tiling {
   Palette first, second;
 };
 Image tiles(std::string name, int size_px, const Tiling& options, std::uint64_t seed);
+/// Two colours and nothing between them; `checks` along each side, even.
+Image checkerboard(std::string name, int size_px, int checks, const Palette& palette);
 Image wood(std::string name, int size_px, const Palette& palette, std::uint64_t seed);
 /// Woven threads with a damask-like repeat.
 Image fabric(std::string name, int size_px, const Palette& palette, std::uint64_t seed);
 /// A carpet: field, medallions and border stripes; does not tile.
 Image carpet(std::string name, int size_px, const Palette& palette, std::uint64_t seed);
+/// Pieces of coloured glass between dark leads, about `cells` pieces across.
+Image stained_glass(std::string name, int size_px, int cells, std::uint64_t seed);
 /// Leaves on twigs with alpha 0 between them; the stem rises from the bottom centre.
 Image foliage(std::string name, int size_px, const Palette& palette, std::uint64_t seed);
 
