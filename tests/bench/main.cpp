@@ -14,6 +14,7 @@
 
 #include "tests/bench/arguments.h"
 #include "tests/bench/compare.h"
+#include "tests/bench/contact_sheet.h"
 #include "tests/bench/still.h"
 
 namespace macula::bench {
@@ -178,9 +179,48 @@ Run declare_still(CLI::App& command) {
   };
 }
 
+Run declare_contact_sheet(CLI::App& command) {
+  auto options = std::make_shared<ContactSheetOptions>();
+  auto size = std::make_shared<std::string>();
+  command.add_option("--scenes", options->scenes, "Names or files, with commas between")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (every built-in scene)");
+  command.add_option("--out", options->out, "The sheet")->required()->option_text("FILE.png");
+  command.add_option("--singles", options->singles, "Write each picture by itself too")
+      ->check(CLI::ExistingDirectory)
+      ->option_text("DIR");
+  command.add_option("--size", *size, "Of each picture, pixels (480x320)")->option_text("WxH");
+  command.add_option("--columns", options->columns, "Pictures in a row")
+      ->check(CLI::Range(1, 64))
+      ->option_text("N (4)");
+  command.add_option("--spp", options->samples_per_cell, "Primary samples per cell")
+      ->check(CLI::Range(1, 1 << 20))
+      ->option_text("N (16)");
+  command.add_option("--lspp", options->light_samples, "Area-light samples per primary sample")
+      ->check(CLI::Range(1, 1 << 20))
+      ->option_text("N (4)");
+  command.add_option("--threads", options->threads, "0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N (0)");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  command.footer(
+      "Each scene by its first camera. The figures are CPU times of the whole process;\n"
+      "resident_mb counts what earlier scenes left behind, so give one scene to measure it.");
+  return [options, size]() -> Result<void> {
+    if (!size->empty()) {
+      const auto parsed = parse_size("--size", *size);
+      if (!parsed) return base::forward(parsed);
+      options->width_px = parsed->width_px;
+      options->height_px = parsed->height_px;
+    }
+    return run_contact_sheet(*options);
+  };
+}
+
 constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
+    {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
 };
 
 int complain(const Error& error) {

@@ -147,6 +147,23 @@ TEST_F(Program, WritesAStillWithItsPlanesAsOneExrAndAPictureAPlane) {
   }
 }
 
+TEST_F(Program, PutsScenesOnOneSheetWithTheirFigures) {
+  const Finished run = bench({"contact-sheet", "--scenes", "cornell,posts", "--size", "48x32",
+                              "--spp", "1", "--lspp", "1", "--columns", "2", "--out",
+                              path("sheet.png"), "--json", path("sheet.json")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_TRUE(contains(run.out, "cornell") && contains(run.out, "posts")) << run.out;
+  const auto sheet = image::read_png(path("sheet.png"));
+  ASSERT_TRUE(sheet);
+  EXPECT_EQ(sheet->width(), 2 * 48 + 4) << "two tiles and the gap between them";
+  EXPECT_GT(sheet->height(), 32) << "a line of text under each";
+  EXPECT_TRUE(contains(text_of(path("sheet.json")), "\"primary_mrays_per_cpu_s\""));
+  const Finished wrong =
+      bench({"contact-sheet", "--scenes", "cornell,nowhere", "--out", path("sheet.png")});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_TRUE(contains(wrong.err, "nowhere")) << wrong.err;
+}
+
 TEST_F(Program, NamesAMissingPictureAndWhatToDo) {
   const std::string a = grey_png("a.png", 100);
   for (const char* name : {"missing.png", "missing.exr"}) {

@@ -6,6 +6,7 @@
 
 #include "server/scene/built_in/atrium_parts.h"
 #include "server/scene/built_in/builder.h"
+#include "server/scene/built_in/plants.h"
 #include "server/scene/built_in/scenes.h"
 #include "server/scene/built_in/shapes.h"
 #include "server/scene/built_in/textures.h"
@@ -24,17 +25,6 @@ struct Materials {
       aisle_floor, wood, red_fabric, green_fabric, blue_fabric, carpet, leaves, grass, terracotta,
       glaze, bronze, iron, gold, water, glow, dim_glow, roof;
 };
-
-Index foliage_material(SceneBuilder& builder, const std::string& name, Index image) {
-  Material material = textured(name, image);
-  // Cards count v upwards from the stem, pictures downwards from the top.
-  material.base_color_texture->uv_offset = {0.0F, 1.0F};
-  material.base_color_texture->uv_scale = {1.0F, -1.0F};
-  material.base_color_texture->wrap_u = material.base_color_texture->wrap_v = Wrap::Clamp;
-  material.alpha_mode = AlphaMode::Mask;
-  material.double_sided = true;
-  return builder.add(std::move(material));
-}
 
 Index cloth_material(SceneBuilder& builder, const std::string& name, const Palette& palette,
                      std::uint64_t seed) {
@@ -104,14 +94,12 @@ void make_soft_and_metal(SceneBuilder& b, Materials& m, std::uint64_t seed) {
       cloth_material(b, "green fabric", {{0.05F, 0.22F, 0.12F}, {0.42F, 0.62F, 0.30F}}, seed + 1);
   m.blue_fabric =
       cloth_material(b, "blue fabric", {{0.06F, 0.12F, 0.36F}, {0.45F, 0.58F, 0.85F}}, seed + 2);
-  m.leaves =
-      foliage_material(b, "leaves",
-                       b.add(foliage("leaves", kTexturePixels,
-                                     {{0.06F, 0.18F, 0.04F}, {0.50F, 0.70F, 0.25F}}, seed + 3)));
-  m.grass =
-      foliage_material(b, "herbs",
-                       b.add(foliage("herbs", kTexturePixels,
-                                     {{0.12F, 0.22F, 0.10F}, {0.68F, 0.74F, 0.42F}}, seed + 4)));
+  m.leaves = b.add(foliage_material(
+      "leaves", b.add(foliage("leaves", kTexturePixels,
+                              {{0.06F, 0.18F, 0.04F}, {0.50F, 0.70F, 0.25F}}, seed + 3))));
+  m.grass = b.add(foliage_material(
+      "herbs", b.add(foliage("herbs", kTexturePixels,
+                             {{0.12F, 0.22F, 0.10F}, {0.68F, 0.74F, 0.42F}}, seed + 4))));
   m.terracotta = b.add(lambert("terracotta", {0.58F, 0.26F, 0.15F}));
   m.glaze = b.add(glossy(lambert("blue glaze", {0.05F, 0.14F, 0.42F}), 0.12F));
   m.bronze = b.add(metal("bronze", {0.55F, 0.38F, 0.20F}, 0.35F));

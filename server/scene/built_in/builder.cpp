@@ -76,4 +76,13 @@ void SceneBuilder::place(Mesh mesh, Index material, const DMat4& world_from_obje
   place(add(std::move(mesh), material), world_from_object);
 }
 
+Index SceneBuilder::add(Joint joint) {
+  scene_.joints.push_back(std::move(joint));
+  return static_cast<Index>(scene_.joints.size() - 1);
+}
+
+void SceneBuilder::hang(Index joint, Index mesh, const DMat4& joint_from_object) {
+  scene_.instances.push_back({mesh, joint_from_object, joint});
+}
+
 }  // namespace macula::scene::built_in

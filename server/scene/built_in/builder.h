@@ -35,6 +35,9 @@ class SceneBuilder {
   Index add(Mesh mesh, Index material);
   void place(Index mesh, const DMat4& world_from_object = DMat4{1.0});
   void place(Mesh mesh, Index material, const DMat4& world_from_object = DMat4{1.0});
+  Index add(Joint joint);
+  /// Carried by a joint.
+  void hang(Index joint, Index mesh, const DMat4& joint_from_object = DMat4{1.0});
   void add(const Light& light) { scene_.lights.push_back(light); }
   void add(Camera camera) { scene_.cameras.push_back(std::move(camera)); }
   Settings& settings() { return scene_.settings; }

@@ -11,9 +11,14 @@ namespace macula::scene::built_in {
 Scene cornell(std::uint64_t seed);
 Scene posts(std::uint64_t seed);
 Scene atrium(std::uint64_t seed);
+Scene city_of_houses(std::uint64_t seed);
+Scene city_instanced(std::uint64_t seed);
 Scene nave(std::uint64_t seed);
 Scene tunnel_geometry(std::uint64_t seed);
 Scene tunnel_maps(std::uint64_t seed);
 Scene cornell_lights(std::uint64_t seed);
+Scene study(std::uint64_t seed);
+Scene room(std::uint64_t seed);
+Scene yard(std::uint64_t seed);
 
 }  // namespace macula::scene::built_in

@@ -3,9 +3,11 @@
 #include <cstring>
 #include <numbers>
 #include <set>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
+#include "server/scene/animation.h"
 #include "server/scene/built_in/builder.h"
 #include "server/scene/built_in/scenes.h"
 #include "server/scene/built_in/shapes.h"
@@ -139,6 +141,66 @@ TEST(Posts, HasTenObjectsBetweenPointSevenAndFourMeters) {
     near += distance >= 0.7 && distance <= 4.0 ? 1 : 0;
   }
   EXPECT_GE(near, 10);
+}
+
+const BuiltIn& entry_of(std::string_view name) {
+  const auto found = std::ranges::find(built_in_scenes(), name, &BuiltIn::name);
+  EXPECT_NE(found, built_in_scenes().end()) << name;
+  return *found;
+}
+
+// The stated counts, which the test of each scene holds to what is made.
+TEST(BuiltInScenes, WithManyLightsHaveThePapersSizeWithinAFifth) {
+  // Foveated stochastic lightcuts, section 4: triangles, light sources.
+  struct Paper {
+    const char* scene;
+    double triangles, lights;
+  };
+  for (const Paper& paper :
+       {Paper{"study", 2'110'100, 58'100}, Paper{"room", 5'103'900, 30'400},
+        Paper{"cornell-lights", 110'500, 110'500}, Paper{"yard", 2'575'100, 250'600}}) {
+    const SceneCounts& counts = entry_of(paper.scene).counts;
+    EXPECT_NEAR(static_cast<double>(counts.triangles), paper.triangles, 0.2 * paper.triangles)
+        << paper.scene;
+    EXPECT_NEAR(static_cast<double>(counts.emissive_triangles), paper.lights, 0.2 * paper.lights)
+        << paper.scene;
+  }
+}
+
+TEST(BuiltInScenes, HoldACityOfSixMillionTrianglesAndOneOfCopies) {
+  EXPECT_GE(entry_of("city").counts.unique_triangles, 6'000'000U);
+  EXPECT_GE(entry_of("city-instanced").counts.triangles, 6'000'000U);
+  EXPECT_LE(entry_of("city-instanced").counts.unique_triangles, 1'200'000U);
+}
+
+TEST(Tunnels, AreTheSameTunnelTwice) {
+  // Raised panels stand up to 20 cm into it and gravel lies 8 cm deep; outside they agree.
+  const Bounds shaped = built_in::tunnel_geometry(1).bounds();
+  const Bounds painted = built_in::tunnel_maps(1).bounds();
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(shaped.minimum[axis], painted.minimum[axis], 0.1) << axis;
+    EXPECT_NEAR(shaped.maximum[axis], painted.maximum[axis], 0.1) << axis;
+  }
+}
+
+TEST(Yard, HasNoLightThatStandsStill) {
+  const Scene scene = built_in::yard(1);
+  const MovingParts moving = moving_parts(scene);
+  for (Index i = 0; i < scene.instances.size(); ++i) {
+    if (!scene.materials[scene.meshes[scene.instances[i].mesh].material].emits()) continue;
+    EXPECT_TRUE(std::ranges::binary_search(moving.instances, i)) << i;
+  }
+  // Closed loops: after every period a joint is where it was.
+  for (const Joint& joint : scene.joints) {
+    ASSERT_GT(joint.period.count(), 0);
+    const auto& places = joint.translations.values;
+    if (!places.empty()) {
+      EXPECT_LT(glm::distance(places.front(), places.back()), 1e-9);
+    }
+    EXPECT_LT(
+        1.0 - std::abs(glm::dot(joint.rotations.values.front(), joint.rotations.values.back())),
+        1e-12);
+  }
 }
 
 double coplanar_share(const Scene& scene) {

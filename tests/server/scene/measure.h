@@ -51,7 +51,7 @@ inline std::size_t coplanar_triangles(const Mesh& mesh) {
 class DepthCounter {
  public:
   DepthCounter(const Camera& camera, int width_px, int height_px)
-      : view_from_world_(math::inverse(camera.world_from_view)),
+      : view_from_world_(math::inverse(camera.parent_from_view)),
         pixels_per_tangent_(0.5 * height_px / std::tan(0.5 * camera.vertical_fov.value())),
         counts_(width_px, height_px, 0) {}
 
@@ -114,7 +114,7 @@ inline double mean_depth_complexity(const Scene& scene, const Camera& camera) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[instance.mesh];
     const auto at = [&](Index i) {
-      return DVec3(instance.world_from_object * DVec4(DVec3(mesh.positions[i]), 1.0));
+      return DVec3(instance.parent_from_object * DVec4(DVec3(mesh.positions[i]), 1.0));
     };
     for (const UVec3& t : mesh.triangles) counter.add(at(t.x), at(t.y), at(t.z));
   }
