@@ -56,8 +56,9 @@ class Tracer {
   /// Everything but emission: light reflected at the vertex towards its eye.
   Rgb reflected(const Vertex& vertex, int bounces, RandomStream& random) {
     RandomStream for_emissive = random.branch(), for_ambient = random.branch();
+    RandomStream for_environment = random.branch();
     Rgb sum = from_punctual(vertex) + from_emissive(vertex, for_emissive) +
-              from_ambient(vertex, for_ambient);
+              from_ambient(vertex, for_ambient) + from_environment(vertex, for_environment);
     if (bounces > 0) sum += from_bounce(vertex, bounces, random);
     return sum;
   }
@@ -152,7 +153,22 @@ class Tracer {
     return height < 0.0F ? direction - 2.0F * height * frame.geometric : direction;
   }
 
-  /// One more segment. Emission met there was counted by from_emissive here already.
+  /// By the surface's own directions: nothing of EnvironmentLight's table.
+  Rgb from_environment(const Vertex& vertex, RandomStream& random) {
+    if (!scene_.plan().has(scene::Step::Environment)) return Rgb{0.0F};
+    Rgb sum{0.0F};
+    for (int k = 0; k < options_.environment_samples; ++k) {
+      const float u0 = random.next(), u1 = random.next(), u2 = random.next();
+      const auto scattered = vertex.reflector.sample({u0, u1, u2});
+      if (scattered && open(leave(vertex), scattered->to_light, kInfinity)) {
+        sum += scattered->weight * scene_.environment().radiance(scattered->to_light);
+      }
+    }
+    return sum / static_cast<float>(options_.environment_samples);
+  }
+
+  /// One more segment. Emission met there was counted by from_emissive here already, and what lies
+  /// beyond by from_environment.
   Rgb from_bounce(const Vertex& vertex, int bounces, RandomStream& random) {
     const float u0 = random.next(), u1 = random.next(), u2 = random.next();
     const auto scattered = vertex.reflector.sample({u0, u1, u2});
@@ -221,6 +237,10 @@ class RowRun {
     return scene_.triangles().intersect(
         visibility::Ray{Vec3(view_.world_from_view.position), direction, 0.0F, kInfinity});
   }
+  Rgb beyond(const Vec3& view_direction) const {
+    const DVec3 direction = view_.world_from_view.transform_direction(DVec3(view_direction));
+    return scene_.beyond(Vec3(glm::normalize(direction)));
+  }
   Vertex vertex_of(const visibility::Hit& hit) {
     const shading::Surface surface =
         scene_.surfaces().at(hit.instance, hit.triangle, {hit.u, hit.v});
@@ -231,8 +251,9 @@ class RowRun {
   Rgb radiance(int x, int y, std::uint64_t key, int s) {
     RandomStream random(key, s);
     const Vec2 at = sample_position(s, random);
-    const auto hit = trace(view_.grid.ray(x, y, at.x, at.y));
-    if (!hit) return scene_.scene().settings.ambient;
+    const Vec3 direction = view_.grid.ray(x, y, at.x, at.y);
+    const auto hit = trace(direction);
+    if (!hit) return beyond(direction);
     const Vertex vertex = vertex_of(*hit);
     return vertex.emission + tracer_.reflected(vertex, options_.bounces, random);
   }

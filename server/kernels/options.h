@@ -9,12 +9,13 @@ enum class Mode { Exact, Fast };
 
 struct KernelOptions {
   Mode mode = Mode::Fast;
-  int samples_per_cell = 1;    ///< n; a square number gives a regular n = k x k pattern
-  bool jitter = true;          ///< false: fixed sample positions (k x k centres)
-  int area_light_samples = 8;  ///< per primary sample, over all emissive triangles
-  int ambient_samples = 4;     ///< per primary sample; 0 = no ambient term
-  int bounces = 0;             ///< diffuse bounces by path tracing; brute force only
-  bool lambert_only = false;   ///< every material becomes Lambert with its base colour
+  int samples_per_cell = 1;     ///< n; a square number gives a regular n = k x k pattern
+  bool jitter = true;           ///< false: fixed sample positions (k x k centres)
+  int area_light_samples = 8;   ///< per primary sample, over all emissive triangles
+  int ambient_samples = 4;      ///< per primary sample; 0 = no ambient term
+  int environment_samples = 4;  ///< per primary sample, in a scene with an environment
+  int bounces = 0;              ///< diffuse bounces by path tracing; brute force only
+  bool lambert_only = false;    ///< every material becomes Lambert with its base colour
 };
 
 }  // namespace macula::kernels

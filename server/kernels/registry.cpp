@@ -39,6 +39,7 @@ Result<void> check(const KernelEntry& entry, const KernelOptions& options) {
   if (auto ok = least(options.samples_per_cell, 1, "samples per cell"); !ok) return ok;
   if (auto ok = least(options.area_light_samples, 1, "area light samples"); !ok) return ok;
   if (auto ok = least(options.ambient_samples, 0, "ambient samples"); !ok) return ok;
+  if (auto ok = least(options.environment_samples, 1, "environment samples"); !ok) return ok;
   if (auto ok = least(options.bounces, 0, "bounces"); !ok) return ok;
   if (options.bounces > entry.most_bounces) {
     return base::bad_input(

@@ -28,6 +28,11 @@ lights::Options light_options(const ScenePlan& plan) {
   return options;
 }
 
+lights::EnvironmentLight environment_of(const scene::Scene& scene, const ScenePlan& plan) {
+  if (!plan.has(Step::Environment) || !scene.environment) return {};
+  return lights::EnvironmentLight(*scene.environment);
+}
+
 }  // namespace
 
 Result<std::shared_ptr<const SceneFrame>> SceneFrame::create(
@@ -56,6 +61,7 @@ SceneFrame::SceneFrame(std::shared_ptr<const scene::Scene> scene, const ScenePla
       triangles_(std::move(triangles)),
       surfaces_(*scene_, pose_),
       materials_(*scene_, material_options(plan_)),
-      lights_(*scene_, pose_, materials_, light_options(plan_)) {}
+      lights_(*scene_, pose_, materials_, light_options(plan_)),
+      environment_(environment_of(*scene_, plan_)) {}
 
 }  // namespace macula::kernels

@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "server/lights/environment_light.h"
 #include "server/lights/light_list.h"
 #include "server/scene/animation.h"
 #include "server/scene/plan.h"
@@ -33,6 +34,12 @@ class SceneFrame {
   const shading::SurfaceTable& surfaces() const { return surfaces_; }
   const shading::MaterialTable& materials() const { return materials_; }
   const lights::LightList& lights() const { return lights_; }
+  /// Black where the plan leaves the environment out.
+  const lights::EnvironmentLight& environment() const { return environment_; }
+  /// What a ray sees that meets nothing: the environment, in a scene without one the ambient light.
+  Rgb beyond(const Vec3& direction) const {
+    return scene_->environment ? environment_.radiance(direction) : scene_->settings.ambient;
+  }
   /// Where everything is at this moment; the scene's own tables know it before it moves.
   const scene::ScenePose& pose() const { return pose_; }
   SceneTime time() const { return pose_.time; }
@@ -48,6 +55,7 @@ class SceneFrame {
   shading::SurfaceTable surfaces_;
   shading::MaterialTable materials_;
   lights::LightList lights_;
+  lights::EnvironmentLight environment_;
 };
 
 }  // namespace macula::kernels

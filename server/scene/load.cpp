@@ -8,6 +8,7 @@
 
 #include "server/scene/assimp/import.h"
 #include "server/scene/built_in/scenes.h"
+#include "server/scene/environment.h"
 #include "server/scene/gltf/import.h"
 #include "server/scene/settle.h"
 #include "server/scene/side_file.h"
@@ -119,6 +120,9 @@ Result<std::shared_ptr<const Scene>> load_file(const std::string& path) {
         base::concat("its copies come to ", scene->triangle_count(), " triangles"), path,
         base::concat("at most ", kMostPlacedTriangles));
   }
+  auto environment = load_environment(imported->side, path, *scene);
+  if (!environment) return forward(environment);
+  scene->environment = std::move(*environment);
   settle(*scene, imported->side);
   const Bounds bounds = scene->bounds();
   for (int axis = 0; axis < 3; ++axis) {

@@ -92,6 +92,11 @@ Verdict ambient(const SceneFacts& facts, const Wishes& wishes) {
   return {true, base::concat(wishes.ambient_samples, " samples a primary sample")};
 }
 
+Verdict environment(const SceneFacts& facts, const Wishes& wishes) {
+  if (!facts.has_environment) return {false, "no environment"};
+  return {true, base::concat(wishes.environment_samples, " samples a primary sample")};
+}
+
 struct StepRule {
   Step step;
   std::string_view name;
@@ -128,6 +133,7 @@ constexpr std::array kSteps{
                              "no emissive triangles");
              }},
     StepRule{Step::Ambient, "ambient occlusion", ambient},
+    StepRule{Step::Environment, "environment table and sampling", environment},
     StepRule{Step::DistanceField, "distance-field tracer",
              [](const SceneFacts& facts, const Wishes&) {
                return Verdict{facts.is_sdf,
@@ -164,6 +170,7 @@ SceneFacts facts_of(const Scene& scene) {
     facts.glossy_materials += is_glossy(material) ? 1 : 0;
   }
   facts.has_ambient = any_positive(scene.settings.ambient);
+  facts.has_environment = scene.environment && any_positive(scene.environment->mean());
   return facts;
 }
 

@@ -23,7 +23,8 @@ struct SceneFacts {
   std::size_t masked_materials = 0;    ///< alpha tested: Mask or Blend
   std::size_t glossy_materials = 0;    ///< with a specular lobe, however weak
   bool has_ambient = false;
-  bool is_sdf = false;  ///< described by distances, not triangles
+  bool has_environment = false;  ///< one that is not black
+  bool is_sdf = false;           ///< described by distances, not triangles
 };
 SceneFacts facts_of(const Scene& scene);
 
@@ -46,6 +47,7 @@ enum class Step {
   PunctualLights,
   AreaLights,
   Ambient,
+  Environment,
   DistanceField,
   Refit,
 };
@@ -63,7 +65,8 @@ struct PlannedStep {
 
 /// What is asked for beside what the scene requires.
 struct Wishes {
-  int ambient_samples = 4;  ///< per primary sample; 0: no ambient term
+  int ambient_samples = 4;      ///< per primary sample; 0: no ambient term
+  int environment_samples = 4;  ///< per primary sample
 };
 
 class ScenePlan {

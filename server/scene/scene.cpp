@@ -1,7 +1,9 @@
 #include "server/scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
+#include <numbers>
 #include <sstream>
 
 #include "server/scene/animation.h"
@@ -13,6 +15,16 @@ void Bounds::include(const DVec3& point) {
     minimum[axis] = std::min(minimum[axis], point[axis]);
     maximum[axis] = std::max(maximum[axis], point[axis]);
   }
+}
+
+Rgb Environment::mean() const {
+  DVec3 sum{0.0};
+  double weight = 0.0;
+  for (int y = 0; y < radiance.height(); ++y) {
+    const double share = std::sin(std::numbers::pi * (y + 0.5) / radiance.height());
+    for (const Rgb& value : radiance.row(y)) sum += share * DVec3(value), weight += share;
+  }
+  return Rgb(static_cast<double>(scale) * sum / weight);
 }
 
 std::size_t Scene::triangle_count() const {

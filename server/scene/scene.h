@@ -103,12 +103,28 @@ struct Camera {
   std::optional<Index> joint = std::nullopt;
 };
 
+/// Light from beyond the scene: what a ray sees that meets nothing, and what shines from there on
+/// every surface. A light like any other, which `Settings::ambient` is not.
+struct Environment {
+  /// W/(sr m^2), finite, >= 0; not empty. 1 x 1: the same everywhere. Else equirectangular, as seen
+  /// from inside: the top row looks to +Y, the middle to -Z, columns run to the right (towards +X).
+  image::Plane<Rgb> radiance{1, 1, Rgb{0.0F}};
+  Radians yaw{0.0};    ///< turned to the left about +Y
+  float scale = 1.0F;  ///< times radiance, >= 0
+
+  bool is_constant() const { return radiance.width() == 1 && radiance.height() == 1; }
+  Rgb mean() const;  ///< over the sphere, scaled
+};
+
 /// What the side file says, or what was guessed (`guesses` has a sentence for each guess).
 struct Settings {
   double meters_per_unit = 1.0;
   Pose scene_from_stage;  ///< where the viewer's stage stands, already in meters
   image::Tone tone;
-  Rgb ambient{0.0F};  ///< radiance of a constant environment, seen by ambient occlusion
+  /// Stands in for light that was reflected many times: radiance of a constant surrounding of which
+  /// a point sees what nothing within ambient_distance_m hides. Rays that meet nothing see it only
+  /// in a scene without an environment.
+  Rgb ambient{0.0F};
   double ambient_distance_m =
       std::numeric_limits<double>::infinity();  ///< occluders beyond do not count
   std::vector<std::string> guesses;
@@ -134,6 +150,7 @@ struct Scene {
   std::vector<Instance> instances;
   std::vector<Light> lights;
   std::vector<Camera> cameras;
+  std::optional<Environment> environment;
   Settings settings;
   std::vector<std::string> warnings;  ///< what the importer ignored or repaired
 

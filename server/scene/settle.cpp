@@ -163,7 +163,7 @@ bool open_to_the_sky(const Scene& scene) {
 
 bool is_lit(const Scene& scene) {
   return !scene.lights.empty() || scene.emissive_triangle_count() > 0 ||
-         image::luminance(scene.settings.ambient) > 0.0F;
+         image::luminance(scene.settings.ambient) > 0.0F || scene.environment.has_value();
 }
 
 void give_default_light(Scene& scene) {
@@ -209,6 +209,7 @@ void guess_exposure(Scene& scene, const Bounds& bounds) {
   const DVec3 size = bounds.size();
   const double walls = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
   double radiance = kReflectance * image::luminance(scene.settings.ambient);
+  if (scene.environment) radiance += kReflectance * image::luminance(scene.environment->mean());
   if (walls > 0.0) radiance += kReflectance * emitted_flux_over_pi(scene) / walls;
   for (const Light& light : scene.lights) {
     if (light.kind != LightKind::Directional) continue;

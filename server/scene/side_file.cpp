@@ -76,6 +76,13 @@ class TableReader {
     return value->as_string().str;
   }
 
+  /// A string here, numbers elsewhere: whether `key` is text.
+  std::optional<std::string> text(const char* key) {
+    const toml::value* value = find(key);
+    if (!value || !value->is_string()) return std::nullopt;
+    return value->as_string().str;
+  }
+
   std::optional<TableReader> table(const char* key) {
     const toml::value* value = find(key);
     if (!value) return std::nullopt;
@@ -191,6 +198,14 @@ Result<SideFile> interpret(const toml::value& root, const std::string& file) {
   if (const auto ambient = table.vector("ambient", 0.0, kBrightest)) side.ambient = Rgb(*ambient);
   side.ambient_distance_m =
       table.number("ambient_distance_m", 1e-3, std::numeric_limits<double>::infinity());
+  side.environment_file = table.text("environment");
+  if (!side.environment_file) {
+    if (const auto color = table.vector("environment", 0.0, kBrightest)) {
+      side.environment_color = Rgb(*color);
+    }
+  }
+  side.environment_yaw_deg = table.number("environment_yaw_deg", -360.0, 360.0).value_or(0.0);
+  side.environment_scale = table.number("environment_scale", 0.0, kBrightest).value_or(1.0);
   if (auto stage = table.table("scene_from_stage")) {
     const Result<Pose> pose = read_pose(*stage);
     if (!pose) return forward(pose);

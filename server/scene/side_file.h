@@ -2,8 +2,11 @@
 //   meters_per_unit = 0.01            # size of the file's unit
 //   exposure_ev = 1.0                 # radiance is multiplied by 2^exposure_ev
 //   tone_curve = "filmic"             # or "linear"
-//   ambient = [0.3, 0.35, 0.4]        # radiance of a constant environment
+//   ambient = [0.3, 0.35, 0.4]        # stands in for light reflected many times
 //   ambient_distance_m = 3.0          # occluders beyond do not count
+//   environment = "sky.exr"           # equirectangular, in the scene's folder; or radiance [r, g,
+//   b] environment_yaw_deg = 90.0        # turned to the left about +Y; at 0 its middle lies at -Z
+//   environment_scale = 1.0           # times its radiance
 //   [scene_from_stage]                # where the viewer stands: floor level, meters
 //   position_m = [0.0, 0.0, 2.0]
 //   yaw_deg = 90.0                    # to the left about +Y; or rotation = [x, y, z, w]
@@ -32,6 +35,9 @@ struct SideFile {
   std::optional<image::ToneCurve> tone_curve;
   std::optional<Rgb> ambient;
   std::optional<double> ambient_distance_m;
+  std::optional<std::string> environment_file;  ///< relative to the scene's folder
+  std::optional<Rgb> environment_color;         ///< excludes the file
+  double environment_yaw_deg = 0.0, environment_scale = 1.0;
   std::vector<Light> lights;
 };
 

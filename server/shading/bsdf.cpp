@@ -71,18 +71,19 @@ Rgb Reflector::evaluate_lobe(const Vec3& to_light, float cos_l) const {
   return (lobe * fresnel + diffuse_ * (Rgb{1.0F} - taken)) * cos_l;
 }
 
+Vec3 Reflector::sample_direction(const Vec3& u) const {
+  if (u.x >= lobe_share_) {
+    return sampling::frame_from_normal(frame_.shading) * sampling::cosine_hemisphere({u.y, u.z});
+  }
+  const Vec3 view = to_local(frame_.to_eye, frame_.shading);
+  const Vec3 half = ggx_sample_half({view.x, view.y, cos_v_}, bsdf_.alpha, {u.y, u.z});
+  const Vec3 half_world = sampling::frame_from_normal(frame_.shading) * half;
+  return glm::normalize(2.0F * glm::dot(frame_.to_eye, half_world) * half_world - frame_.to_eye);
+}
+
 std::optional<BsdfSample> Reflector::sample(const Vec3& u) const {
   BsdfSample sample;
-  if (u.x < lobe_share_) {
-    const Vec3 view = to_local(frame_.to_eye, frame_.shading);
-    const Vec3 half = ggx_sample_half({view.x, view.y, cos_v_}, bsdf_.alpha, {u.y, u.z});
-    const Vec3 half_world = sampling::frame_from_normal(frame_.shading) * half;
-    sample.to_light =
-        glm::normalize(2.0F * glm::dot(frame_.to_eye, half_world) * half_world - frame_.to_eye);
-  } else {
-    sample.to_light =
-        sampling::frame_from_normal(frame_.shading) * sampling::cosine_hemisphere({u.y, u.z});
-  }
+  sample.to_light = sample_direction(u);
   sample.pdf = pdf(sample.to_light);
   const Rgb value = evaluate(sample.to_light);
   if (!(sample.pdf > 0.0F) || !(value.x + value.y + value.z > 0.0F)) return std::nullopt;

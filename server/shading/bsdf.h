@@ -52,7 +52,10 @@ class Reflector {
   Rgb evaluate(const Vec3& to_light) const;
   /// Share of a uniform environment that is reflected to the eye: at most 1 a channel.
   const Rgb& reflectance() const { return reflectance_; }
-  /// u in [0, 1)^3: the first chooses the lobe. nullopt where the direction reflects nothing.
+  /// A direction with the density of pdf(); u in [0, 1)^3: the first chooses the lobe. It may lie
+  /// below the surface, where nothing is reflected.
+  Vec3 sample_direction(const Vec3& u) const;
+  /// The same with its weight; nullopt where the direction reflects nothing.
   std::optional<BsdfSample> sample(const Vec3& u) const;
   /// Density of sample() over the whole sphere, 1/sr; 1 in total, also counting rejected
   /// directions.

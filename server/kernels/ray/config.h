@@ -13,8 +13,9 @@ struct Config {
   Mode mode = Mode::Fast;
   int samples_per_cell = 1;  ///< primary rays a cell, >= 1
   Placement placement = Placement::Jittered;
-  int area_light_samples = 8;  ///< shadow rays to emissive triangles per primary ray, >= 1
-  int ambient_samples = 4;     ///< occlusion rays per primary ray; 0: no ambient term
+  int area_light_samples = 8;   ///< shadow rays to emissive triangles per primary ray, >= 1
+  int ambient_samples = 4;      ///< occlusion rays per primary ray; 0: no ambient term
+  int environment_samples = 4;  ///< shadow rays to the environment per primary ray, >= 1
   shading::MaterialModel materials = shading::MaterialModel::AsInScene;
 };
 
@@ -25,6 +26,7 @@ inline Config make_config(const KernelOptions& options) {
       options.jitter ? Placement::Jittered : Placement::Fixed,
       options.area_light_samples,
       options.ambient_samples,
+      options.environment_samples,
       options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene};
 }
 

@@ -16,6 +16,8 @@ using visibility::Coherence;
 // Dimensions of a cell's random numbers; those below 2^31 place the primary samples.
 constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
 constexpr std::uint32_t kAmbientDimension = 0x8000'0001U;
+constexpr std::uint32_t kEnvironmentDimension = 0x8000'0002U;
+constexpr std::uint32_t kStrategyDimension = 0x8000'0003U;
 
 constexpr float kIdle = -1.0F;  ///< tfar of a ray that is not traced
 
@@ -38,6 +40,8 @@ class Pass {
   void add_punctual(const scene::Light& light);
   void add_area();
   void add_ambient();
+  void add_environment();
+  void aim_at_environment(const sampling::Vec2Batch& strategy);
   void scramble(std::uint32_t dimension);
   void draw(int k, int count);
   void aim_along(float tfar);
@@ -65,6 +69,7 @@ void Pass::run() {
   for (const scene::Light& light : scene_.lights().punctual()) add_punctual(light);
   if (!scene_.lights().emissive().empty()) add_area();
   if (config_.ambient_samples > 0 && scene_.plan().has(scene::Step::Ambient)) add_ambient();
+  if (scene_.plan().has(scene::Step::Environment)) add_environment();
 }
 
 void Pass::add_punctual(const scene::Light& light) {
@@ -116,6 +121,42 @@ void Pass::add_ambient() {
                                 light_.arrival.to_light);
     aim_along(static_cast<float>(settings.ambient_distance_m));
     resolve(Coherence::Incoherent);
+  }
+}
+
+/// One sample of a mixture of two strategies, the environment's table and the surface's own
+/// directions, over the density of the mixture: Veach's balance heuristic.
+void Pass::add_environment() {
+  const float share = 1.0F / static_cast<float>(config_.environment_samples);
+  for (int k = 0; k < config_.environment_samples; ++k) {
+    scramble(kStrategyDimension);
+    draw(k, config_.environment_samples);
+    const sampling::Vec2Batch strategy = u_;
+    scramble(kEnvironmentDimension);
+    draw(k, config_.environment_samples);
+    aim_at_environment(strategy);
+    shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
+                     contribution_);
+    for (std::size_t i = 0; i < n_; ++i) {
+      contribution_.x[i] *= share, contribution_.y[i] *= share, contribution_.z[i] *= share;
+    }
+    aim_along(std::numeric_limits<float>::infinity());
+    resolve(Coherence::Incoherent);
+  }
+}
+
+void Pass::aim_at_environment(const sampling::Vec2Batch& strategy) {
+  const lights::EnvironmentLight& environment = scene_.environment();
+  const float table_share = environment.is_constant() ? 0.0F : 0.5F;
+  for (std::size_t i = 0; i < n_; ++i) {
+    const shading::Reflector& reflector = points_.whole[i];
+    const bool by_table = strategy.x[i] < table_share;
+    const Vec3 to_light = by_table ? environment.sample(u_[i]).to_light
+                                   : reflector.sample_direction({strategy.y[i], u_.x[i], u_.y[i]});
+    const float pdf =
+        table_share * environment.pdf(to_light) + (1.0F - table_share) * reflector.pdf(to_light);
+    light_.arrival.to_light.set(i, to_light);
+    light_.arrival.irradiance.set(i, pdf > 0.0F ? environment.radiance(to_light) / pdf : Rgb{0.0F});
   }
 }
 
@@ -199,6 +240,7 @@ void LitPoints::push(const DVec3& point, const shading::Reflector& reflector,
   position.set(count, rounded);
   ray_origin.set(count, visibility::offset_ray_origin(rounded, reflector.frame().geometric));
   reflectors.set(count, reflector);
+  if (keeps_whole) whole.push_back(reflector);
   keys[count] = key;
   ++count;
 }

@@ -1,11 +1,12 @@
-// Lighting of a batch of points: punctual lights, emissive triangles, ambient occlusion. Every term
-// is one stream of shadow rays over the whole batch, made and shaded in vectors: ray i is point
-// i's, idle where no light can arrive. A point's radiance is summed in a fixed order and depends on
-// that point alone, never on its place or its neighbours in the batch.
+// Lighting of a batch of points: punctual lights, emissive triangles, ambient occlusion,
+// environment. Every term is one stream of shadow rays over the whole batch, made and shaded in
+// vectors: ray i is point i's, idle where no light can arrive. A point's radiance is summed in a
+// fixed order and depends on that point alone, never on its place or its neighbours in the batch.
 #pragma once
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "server/kernels/ray/config.h"
 #include "server/kernels/scene_frame.h"
@@ -23,9 +24,12 @@ struct LitPoints {
   sampling::Vec3Batch position;    ///< world, meters
   sampling::Vec3Batch ray_origin;  ///< the same off the surface, towards the eye's side
   shading::ReflectorBatch reflectors;
+  /// The same one by one, for terms that draw directions from them; empty unless keeps_whole.
+  std::vector<shading::Reflector> whole;
+  bool keeps_whole = false;
   sampling::SampleKey keys[sampling::kBatch];  ///< identity of their cells' random numbers
 
-  void clear() { count = 0; }
+  void clear() { count = 0, whole.clear(); }
   void push(const DVec3& point, const shading::Reflector& reflector, sampling::SampleKey key);
 };
 static_assert(sampling::kBatch == visibility::kStreamCapacity);

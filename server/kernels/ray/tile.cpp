@@ -31,6 +31,7 @@ class TileRun {
   TileRun(const ViewContext& context, const image::Rect& tile, ViewBuffers& out)
       : context_(context), out_(out) {
     list_cells(tile);
+    points_.keeps_whole = context.scene.plan().has(scene::Step::Environment);
   }
 
   FrameReport run() {
@@ -87,7 +88,7 @@ class TileRun {
       if (hits_.hit(static_cast<int>(i))) {
         add_lit_point(i, guide);
       } else {
-        radiance_[i] = context_.scene.scene().settings.ambient;
+        radiance_[i] = context_.scene.beyond(glm::normalize(rays_.direction(static_cast<int>(i))));
         if (guide) write_guide_miss(cells_[i]);
       }
     }
