@@ -60,7 +60,8 @@ class SceneMaker {
   Warnings warnings_;
   std::map<std::string, image::Plane<image::Rgba8>> pictures_;  ///< decoded, by resolved path
   std::map<std::string, Index> images_;                         ///< by name
-  std::uint64_t pixels_ = 0, triangles_ = 0;
+  ImageDecoder decoder_;
+  std::uint64_t triangles_ = 0;
 };
 
 Result<Scene> SceneMaker::make() {
@@ -98,13 +99,12 @@ Result<const image::Plane<image::Rgba8>*> SceneMaker::picture(const std::string&
   }
   const auto bytes = read_file(*resolved, kMaxImageFileBytes);
   if (!bytes) return forward(bytes);
-  auto pixels = decode_image(*bytes, base::concat(path_, ": image ", path));
+  auto pixels = decoder_.decode(*bytes, base::concat(path_, ": image ", path));
   if (!pixels) return forward(pixels);
   return &pictures_.emplace(resolved->string(), std::move(*pixels)).first->second;
 }
 
 Index SceneMaker::add_image(const std::string& name, image::Plane<image::Rgba8> pixels) {
-  pixels_ += pixels.size();
   scene_.images.push_back({name, std::move(pixels)});
   return images_[name] = static_cast<Index>(scene_.images.size() - 1);
 }
@@ -192,10 +192,6 @@ Result<void> SceneMaker::add_material(const ParcelMaterial& from) {
   to.emission_texture = *emission;
   if (!from.alpha.path.empty()) to.alpha_mode = AlphaMode::Mask;
   if (to.alpha < 1.0F) to.alpha_mode = AlphaMode::Blend;
-  if (pixels_ > kMaxImagePixels) {
-    return base::bad_input("the textures are too large together", path_,
-                           base::concat("at most ", kMaxImagePixels, " pixels in a scene"));
-  }
   scene_.materials.push_back(std::move(to));
   return {};
 }

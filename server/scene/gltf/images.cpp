@@ -2,7 +2,6 @@
 
 #include <span>
 
-#include "server/scene/decode_image.h"
 #include "server/scene/gltf/accessor.h"
 #include "shared/base/text.h"
 
@@ -40,13 +39,8 @@ Result<Index> ImageImporter::require(int image_index) {
     encoded = file;
     place += " (" + image->uri + ")";
   }
-  auto pixels = decode_image(encoded, place);
+  auto pixels = decoder_.decode(encoded, place);
   if (!pixels) return forward(pixels);
-  pixels_ += pixels->size();
-  if (pixels_ > kMaxImagePixels) {
-    return base::bad_input("the textures are too large together", place,
-                           base::concat("at most ", kMaxImagePixels, " pixels in a scene"));
-  }
   scene_.images.push_back({image->name.empty() ? image->uri : image->name, std::move(*pixels)});
   const Index index = static_cast<Index>(scene_.images.size() - 1);
   imported_.emplace(image_index, index);

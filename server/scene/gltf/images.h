@@ -1,9 +1,9 @@
 // Decodes the images that materials use, each once, PNG and JPEG, within limits on side and sum.
 #pragma once
 
-#include <cstdint>
 #include <map>
 
+#include "server/scene/decode_image.h"
 #include "server/scene/gltf/document.h"
 #include "server/scene/scene.h"
 
@@ -21,7 +21,7 @@ class ImageImporter {
   const Document& document_;
   Scene& scene_;
   std::map<int, Index> imported_;
-  std::uint64_t pixels_ = 0;
+  ImageDecoder decoder_;
 };
 
 }  // namespace macula::scene::gltf

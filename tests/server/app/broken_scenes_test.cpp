@@ -73,21 +73,57 @@ Make with_image(std::string bytes) {
   };
 }
 
-/// A signature and the header of a true-colour picture, then nothing.
-std::string png_header(std::uint32_t side) {
-  const auto big_endian = [](std::uint32_t value) {
-    std::string bytes = little_endian(value);
-    std::reverse(bytes.begin(), bytes.end());
-    return bytes;
-  };
-  std::string chunk =
-      "IHDR" + big_endian(side) + big_endian(side) + std::string("\x08\x06\0\0\0", 5);
+std::string big_endian(std::uint32_t value) {
+  std::string bytes = little_endian(value);
+  std::reverse(bytes.begin(), bytes.end());
+  return bytes;
+}
+
+std::string png_chunk(const std::string& type, const std::string& data) {
+  const std::string body = type + data;
   std::uint32_t crc = 0xFFFFFFFFU;  // of PNG, bit by bit
-  for (const char c : chunk) {
+  for (const char c : body) {
     crc ^= static_cast<unsigned char>(c);
     for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ (crc & 1 ? 0xEDB88320U : 0U);
   }
-  return "\x89PNG\r\n\x1a\n" + big_endian(13) + chunk + big_endian(~crc);
+  return big_endian(static_cast<std::uint32_t>(data.size())) + body + big_endian(~crc);
+}
+
+/// A signature and a header, then nothing. `kind`: "\x08\x06" is RGBA of 8 bits, "\x01\0" black and
+/// white.
+std::string png_header(std::uint32_t side, const std::string& kind = "\x08\x06") {
+  return "\x89PNG\r\n\x1a\n" +
+         png_chunk("IHDR", big_endian(side) + big_endian(side) + kind + std::string(3, '\0'));
+}
+
+/// `count` zero bytes in zlib's format: one literal, then copies of 258 bytes from 1 back, in
+/// deflate's fixed codes (RFC 1951): 13 bits each.
+std::string compressed_zeros(std::uint32_t count) {
+  std::string bytes = "\x78\x01";
+  unsigned pending = 0, filled = 0;
+  const auto put = [&](unsigned bits, unsigned length) {  // first bit lowest
+    for (; length > 0; --length, bits >>= 1) {
+      pending |= (bits & 1) << filled;
+      if (++filled < 8) continue;
+      bytes.push_back(static_cast<char>(pending));
+      pending = filled = 0;
+    }
+  };
+  put(0b011, 3);       // last block, fixed codes
+  put(0b00001100, 8);  // literal 0
+  std::uint32_t left = count - 1;
+  for (; left >= 258; left -= 258) put(0b00000'10100011, 13);  // length 258 (285), distance 1
+  for (; left > 0; --left) put(0b00001100, 8);
+  put(0, 7);                                             // end of block
+  put(0, 7);                                             // whatever completes the byte
+  return bytes + big_endian((count % 65521) << 16 | 1);  // Adler-32
+}
+
+/// A sound picture of 67 million black pixels in 53 kB.
+std::string png_bomb() {
+  const std::uint32_t side = 8192;
+  return png_header(side, std::string("\x01\0", 2)) +
+         png_chunk("IDAT", compressed_zeros(side * (side / 8 + 1))) + png_chunk("IEND", "");
 }
 
 /// Start of image and one frame header of 65500 x 65500.
@@ -219,6 +255,7 @@ const Broken kBroken[] = {
     {"LinkLeadsOut", "leaves", linked_elsewhere},
     {"ImageIsHuge", "a.png", with_image(png_header(32768))},
     {"ImageOfTheLargestSizeIsCutOff", "a.png", with_image(png_header(8192))},
+    {"ImageIsABomb", "67108864 pixels", with_image(png_bomb())},
     {"JpegIsHuge", "a.png", with_image(jpeg_header())},
     {"ImageIsNoImage", "neither PNG nor JPEG", with_image("GIF89a")},
     {"SceneIsFarAway", "meters_per_unit",
