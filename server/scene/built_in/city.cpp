@@ -67,7 +67,7 @@ void make_house_materials(SceneBuilder& b, Materials& m, std::uint64_t seed) {
   const auto tiled = [&](const char* name, const Palette& palette, std::uint64_t s) {
     return b.add(textured(name, b.add(plaster(name, 512, palette, s))));
   };
-  m.roofs = {tiled("terracotta", {{0.42F, 0.18F, 0.10F}, {0.76F, 0.40F, 0.25F}}, seed + 6),
+  m.roofs = {tiled("terracotta", {{0.40F, 0.20F, 0.13F}, {0.66F, 0.40F, 0.29F}}, seed + 6),
              tiled("slate", {{0.20F, 0.21F, 0.24F}, {0.42F, 0.43F, 0.46F}}, seed + 7)};
   const auto two_sided = [&b](const char* name, const Rgb& color) {
     Material material = lambert(name, color);

@@ -93,6 +93,7 @@ void make_hard_things(SceneBuilder& b, InteriorMaterials& m) {
   m.glaze = b.add(glossy(lambert("glaze", {0.08F, 0.20F, 0.34F}), 0.15F));
   m.porcelain = b.add(glossy(lambert("porcelain", {0.80F, 0.79F, 0.76F}), 0.12F));
   m.glass = b.add(glossy(lambert("green glass", {0.06F, 0.14F, 0.10F}), 0.06F));
+  m.night_pane = b.add(glossy(lambert("night pane", {0.010F, 0.012F, 0.020F}), 0.04F));
   m.leaf = two_sided(b, glossy(lambert("leaf", {0.06F, 0.20F, 0.05F}), 0.45F));
 }
 
@@ -126,6 +127,7 @@ void place_shell(SceneBuilder& b, const InteriorMaterials& m, Shell shell) {
   b.place(std::move(shell.ceiling), m.plaster);
   b.place(std::move(shell.mouldings), m.moulding);
   b.place(std::move(shell.window_frames), m.moulding);
+  b.place(std::move(shell.panes), m.night_pane);
 }
 
 void place_books(SceneBuilder& b, const InteriorMaterials& m, Books books, const DMat4& at) {

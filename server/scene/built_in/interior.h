@@ -12,7 +12,7 @@ namespace macula::scene::built_in {
 
 struct InteriorMaterials {
   Index wall, floor, plaster, moulding, wood, dark_wood, leather, upholstery, wool, rug, straw,
-      curtain, brass, iron, dark, stone, wax, paper, glaze, porcelain, glass, leaf, art;
+      curtain, brass, iron, dark, stone, wax, paper, glaze, porcelain, glass, night_pane, leaf, art;
   std::array<Index, kBookColors> covers;
   /// What shines; radiance per material.
   Index screen, warm_glow, red_glow, green_glow, blue_glow, shade_glow, flame, embers;

@@ -44,6 +44,8 @@ void add_window_wall(Shell& shell, const Vec3& size, int windows) {
     const float from = i == 0 ? -z : edge(i - 1, 1.0F), to = i == windows ? z : edge(i, -1.0F);
     add_wall(shell.walls, {x, kSill, from}, {0, 0, to - from}, kWindowTop - kSill);
     if (i == windows) continue;
+    append(shell.panes, parallelogram("", {x + 0.06F, kSill, to}, {0, 0, kWindowWidth},
+                                      {0, kWindowTop - kSill, 0}));
     add_window_frame(shell.window_frames,
                      {double{x}, (kSill + kWindowTop) / 2.0, double{to} + kWindowWidth / 2.0});
   }
@@ -107,6 +109,7 @@ Shell room_shell(const Vec3& size, int windows) {
   }
   shell.walls.name = "walls", shell.floor.name = "floor", shell.ceiling.name = "ceiling";
   shell.mouldings.name = "mouldings", shell.window_frames.name = "window frames";
+  shell.panes.name = "panes";
   return shell;
 }
 

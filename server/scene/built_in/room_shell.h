@@ -7,9 +7,9 @@
 namespace macula::scene::built_in {
 
 struct Shell {
-  Mesh walls, floor, ceiling, mouldings, window_frames;
+  Mesh walls, floor, ceiling, mouldings, window_frames, panes;
 };
-/// The wall at +x has `windows` openings, through which the sky shows.
+/// The wall at +x has `windows` windows; their panes close the room.
 Shell room_shell(const Vec3& size, int windows);
 
 }  // namespace macula::scene::built_in
