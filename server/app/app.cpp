@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "server/kernels/registry.h"
-#include "server/kernels/scene_frame.h"
+#include "server/kernels/scene_timeline.h"
 #include "server/scene/load.h"
 #include "server/scene/plan.h"
 #include "server/session/server.h"
@@ -126,11 +126,11 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned,
   const base::SteadyClock clock;
   auto endpoint = open_endpoint(options, clock);
   if (!endpoint) return base::forward(endpoint);
-  auto frame = kernels::SceneFrame::create(planned.scene, planned.plan);
-  if (!frame) return base::forward(frame);
+  auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
+  if (!timeline) return base::forward(timeline);
   session::ServerParts parts;
   parts.endpoint = std::move(*endpoint);
-  parts.scene = std::move(*frame);
+  parts.scene = std::move(*timeline);
   parts.kernel = std::move(kernel);
   parts.scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
   parts.clock = &clock;

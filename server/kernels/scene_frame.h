@@ -1,5 +1,5 @@
 // SceneFrame: a scene at one moment with everything kernels ask of it. Immutable, shared by all
-// sessions and threads while frames use it. World space, meters.
+// sessions and threads while frames use it. World space, meters. SceneTimeline makes them.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,8 @@ using scene::SceneTime;
 
 class SceneFrame {
  public:
-  /// Builds the plan's structures on all cores. Errors: those of visibility::TriangleScene::create.
+  /// One moment alone: builds the plan's structures on all cores. Errors: those of
+  /// visibility::TriangleScene::create.
   static Result<std::shared_ptr<const SceneFrame>> create(std::shared_ptr<const scene::Scene> scene,
                                                           const scene::ScenePlan& plan,
                                                           SceneTime time = {});
@@ -27,35 +28,42 @@ class SceneFrame {
   static Result<std::shared_ptr<const SceneFrame>> create(std::shared_ptr<const scene::Scene> scene,
                                                           SceneTime time = {});
 
-  const scene::Scene& scene() const { return *scene_; }
+  const scene::Scene& scene() const { return *still_->scene; }
   /// What kernels may run: a step that is left out has no structure here.
-  const scene::ScenePlan& plan() const { return plan_; }
+  const scene::ScenePlan& plan() const { return still_->plan; }
   const visibility::TriangleScene& triangles() const { return *triangles_; }
   const shading::SurfaceTable& surfaces() const { return surfaces_; }
-  const shading::MaterialTable& materials() const { return materials_; }
+  const shading::MaterialTable& materials() const { return still_->materials; }
   const lights::LightList& lights() const { return lights_; }
   /// Black where the plan leaves the environment out.
-  const lights::EnvironmentLight& environment() const { return environment_; }
+  const lights::EnvironmentLight& environment() const { return still_->environment; }
   /// What a ray sees that meets nothing: the environment, in a scene without one the ambient light.
   Rgb beyond(const Vec3& direction) const {
-    return scene_->environment ? environment_.radiance(direction) : scene_->settings.ambient;
+    return scene().environment ? environment().radiance(direction) : scene().settings.ambient;
   }
-  /// Where everything is at this moment; the scene's own tables know it before it moves.
+  /// Where everything is at this moment.
   const scene::ScenePose& pose() const { return pose_; }
   SceneTime time() const { return pose_.time; }
 
  private:
-  SceneFrame(std::shared_ptr<const scene::Scene> scene, const scene::ScenePlan& plan,
-             scene::ScenePose pose, std::shared_ptr<const visibility::TriangleScene> triangles);
+  friend class SceneTimeline;
+  /// What no moment changes.
+  struct Still {
+    std::shared_ptr<const scene::Scene> scene;
+    scene::ScenePlan plan;
+    shading::MaterialTable materials;
+    lights::EnvironmentLight environment;
+  };
+  SceneFrame(std::shared_ptr<const Still> still, scene::ScenePose pose,
+             const shading::SurfaceTable& surfaces, const lights::LightList& lights)
+      : still_(std::move(still)), pose_(std::move(pose)), surfaces_(surfaces), lights_(lights) {}
 
-  std::shared_ptr<const scene::Scene> scene_;
-  scene::ScenePlan plan_;
+  std::shared_ptr<const Still> still_;
   scene::ScenePose pose_;
   std::shared_ptr<const visibility::TriangleScene> triangles_;
+  std::shared_ptr<visibility::TriangleScene> own_triangles_;  ///< the same where they move
   shading::SurfaceTable surfaces_;
-  shading::MaterialTable materials_;
   lights::LightList lights_;
-  lights::EnvironmentLight environment_;
 };
 
 }  // namespace macula::kernels

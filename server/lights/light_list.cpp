@@ -70,30 +70,35 @@ std::vector<std::int32_t> guide_into(const std::vector<float>& cumulative) {
   return guide;
 }
 
-void append(std::vector<float>& row, const Vec3& v) {
-  row.insert(row.end(), {v.x, v.y, v.z});
+float* append(float* row, const Vec3& v) {
+  row[0] = v.x, row[1] = v.y, row[2] = v.z;
+  return row + 3;
 }
 
-EmitterTable make_table(const std::vector<EmissiveTriangle>& lights,
-                        const std::vector<float>& cumulative,
-                        const shading::MaterialTable& materials) {
-  EmitterTable table;
-  if (lights.empty()) return table;
-  table.rows.reserve(EmitterTable::kRowFloats * lights.size());
-  for (const EmissiveTriangle& light : lights) {
+/// Keeps the table's memory.
+void fill_table(const std::vector<EmissiveTriangle>& lights, const std::vector<float>& cumulative,
+                const shading::MaterialTable& materials, EmitterTable& table) {
+  table.rows.resize(EmitterTable::kRowFloats * lights.size());
+  table.textured.resize(lights.size());
+  table.any_textured = false;
+  float* row = table.rows.data();
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const EmissiveTriangle& light = lights[i];
     const bool textured = materials.textured(light.material);
-    for (const Vec3& v : {Vec3(light.position), light.edge1, light.edge2, light.normal,
-                          textured ? Rgb{1.0F} : light.mean_emission}) {
-      append(table.rows, v);
-    }
-    table.rows.push_back(light.area_m2);
-    table.textured.push_back(textured ? 1U : 0U);
+    row = append(row, Vec3(light.position));
+    row = append(row, light.edge1);
+    row = append(row, light.edge2);
+    row = append(row, light.normal);
+    row = append(row, textured ? Rgb{1.0F} : light.mean_emission);
+    *row++ = light.area_m2;
+    table.textured[i] = textured ? 1U : 0U;
     table.any_textured = table.any_textured || textured;
   }
-  table.bounds = {0.0F};
+  table.bounds.clear(), table.guide.clear();
+  if (lights.empty()) return;
+  table.bounds.push_back(0.0F);
   table.bounds.insert(table.bounds.end(), cumulative.begin(), cumulative.end());
   table.guide = guide_into(cumulative);
-  return table;
 }
 
 }  // namespace
@@ -118,14 +123,37 @@ LightList::LightList(const scene::Scene& scene, const shading::MaterialTable& ma
     : LightList(scene, scene::pose_at(scene, {}), materials, options) {}
 
 LightList::LightList(const scene::Scene& scene, const scene::ScenePose& pose,
-                     const shading::MaterialTable& materials, const Options& options) {
-  if (options.punctual != scene::StepUse::LeftOut) punctual_ = pose.lights;
-  for (scene::Index i = 0; i < scene.instances.size(); ++i) {
-    const bool emits = materials.emits(scene.meshes[scene.instances[i].mesh].material);
-    if (is_wanted(options.area_lights, emits)) add_instance(scene, pose, i, materials);
+                     const shading::MaterialTable& materials, const Options& options)
+    : options_(options) {
+  if (options_.punctual != scene::StepUse::LeftOut) punctual_ = pose.lights;
+  collect_emissive(scene, pose, materials);
+}
+
+void LightList::move(const scene::Scene& scene, const scene::MovingParts& moving,
+                     const scene::ScenePose& pose, const shading::MaterialTable& materials) {
+  if (options_.punctual != scene::StepUse::LeftOut) {
+    for (const scene::Index i : moving.lights) punctual_[i] = pose.lights[i];
   }
-  cumulative_ = cumulative_shares(emissive_, options.selection);
-  table_ = make_table(emissive_, cumulative_, materials);
+  const bool relights = std::ranges::any_of(
+      moving.instances, [&](scene::Index i) { return shines(scene, i, materials); });
+  if (relights) collect_emissive(scene, pose, materials);
+}
+
+bool LightList::shines(const scene::Scene& scene, scene::Index instance,
+                       const shading::MaterialTable& materials) const {
+  const bool emits = materials.emits(scene.meshes[scene.instances[instance].mesh].material);
+  return is_wanted(options_.area_lights, emits);
+}
+
+void LightList::collect_emissive(const scene::Scene& scene, const scene::ScenePose& pose,
+                                 const shading::MaterialTable& materials) {
+  emissive_.clear();
+  degenerate_ = 0;
+  for (scene::Index i = 0; i < scene.instances.size(); ++i) {
+    if (shines(scene, i, materials)) add_instance(scene, pose, i, materials);
+  }
+  cumulative_ = cumulative_shares(emissive_, options_.selection);
+  fill_table(emissive_, cumulative_, materials, table_);
 }
 
 void LightList::add_instance(const scene::Scene& scene, const scene::ScenePose& pose,

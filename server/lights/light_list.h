@@ -1,8 +1,8 @@
 // LightList: every light of a scene, ready to be asked. Punctual lights follow glTF
 // (KHR_lights_punctual) and answer with the light that arrives at a point; emissive triangles are
 // one-sided area lights and answer with points on them, drawn with an exactly known density. World
-// space, meters, linear Rec.709. Immutable; safe from any thread; holds copies, not the scene.
-// Visibility is the caller's.
+// space, meters, linear Rec.709. Safe from any thread but while it moves; holds copies, not the
+// scene. Visibility is the caller's.
 #pragma once
 
 #include <optional>
@@ -89,6 +89,10 @@ class LightList {
   /// At time 0.
   LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
             const Options& options = {});
+  /// Takes these lights and what shines of these instances to where another pose of the same scene
+  /// has them; the same list as one made afresh.
+  void move(const scene::Scene& scene, const scene::MovingParts& moving,
+            const scene::ScenePose& pose, const shading::MaterialTable& materials);
 
   std::span<const scene::Light> punctual() const { return punctual_; }
   std::span<const EmissiveTriangle> emissive() const { return emissive_; }
@@ -110,9 +114,14 @@ class LightList {
                const shading::MaterialTable& materials) const;
 
  private:
+  bool shines(const scene::Scene& scene, scene::Index instance,
+              const shading::MaterialTable& materials) const;
+  void collect_emissive(const scene::Scene& scene, const scene::ScenePose& pose,
+                        const shading::MaterialTable& materials);
   void add_instance(const scene::Scene& scene, const scene::ScenePose& pose, scene::Index instance,
                     const shading::MaterialTable& materials);
 
+  Options options_;
   std::vector<scene::Light> punctual_;
   std::vector<EmissiveTriangle> emissive_;
   std::vector<float> cumulative_;  ///< cumulative_[i]: chance of a triangle <= i; last = 1

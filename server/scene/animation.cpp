@@ -67,15 +67,22 @@ DMat4 posed(const Instance& instance, const std::vector<DMat4>& world_from_joint
                         : instance.parent_from_object;
 }
 
-Light posed(const Light& light, const std::vector<DMat4>& world_from_joint) {
-  if (!light.joint) return light;
+/// Into the world; all else of the two lights is the same.
+void carry(const Light& light, const std::vector<DMat4>& world_from_joint, Light& moved) {
   const DMat4& world = world_from_joint[*light.joint];
-  Light moved = light;
-  moved.joint.reset();
-  moved.position = DVec3(world * DVec4(light.position, 1.0));
+  const DVec3& p = light.position;
+  moved.position =
+      DVec3(world[0]) * p.x + DVec3(world[1]) * p.y + DVec3(world[2]) * p.z + DVec3(world[3]);
+  if (light.kind == LightKind::Point) return;
   const DVec3 direction = DMat3(world) * DVec3(light.direction);
   const double length = glm::length(direction);
   if (length > 0.0) moved.direction = Vec3(direction / length);
+}
+
+Light posed(const Light& light, const std::vector<DMat4>& world_from_joint) {
+  Light moved = light;
+  moved.joint.reset();
+  if (light.joint) carry(light, world_from_joint, moved);
   return moved;
 }
 
@@ -148,7 +155,7 @@ void repose(const Scene& scene, const MovingParts& moving, SceneTime time, Scene
   const std::vector<DMat4> world_from_joint = joint_transforms(scene, time);
   for (const Index i : moving.instances)
     pose.world_from_object[i] = posed(scene.instances[i], world_from_joint);
-  for (const Index i : moving.lights) pose.lights[i] = posed(scene.lights[i], world_from_joint);
+  for (const Index i : moving.lights) carry(scene.lights[i], world_from_joint, pose.lights[i]);
   for (const Index i : moving.cameras)
     pose.world_from_view[i] = posed(scene.cameras[i], world_from_joint);
   for (const Index i : moving.meshes) reshape(scene.meshes[i].deformation, time, pose.shapes[i]);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "server/scene/animation.h"
 #include "shared/base/check.h"
 #include "shared/base/text.h"
 
@@ -139,9 +140,18 @@ constexpr std::array kSteps{
                return Verdict{facts.is_sdf,
                               facts.is_sdf ? "the scene is a distance field" : "no distance field"};
              }},
+    StepRule{Step::TopLevel, "top level per frame",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.moving_instances, "moving instances", "no instance moves");
+             }},
     StepRule{Step::Refit, "refit per frame",
-             [](const SceneFacts&, const Wishes&) {
-               return Verdict{false, "nothing moves"};
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.changing_meshes, "meshes change shape", "no mesh changes shape");
+             }},
+    StepRule{Step::MovingLights, "moving lights",
+             [](const SceneFacts& facts, const Wishes&) {
+               return if_any(facts.moving_lights, "lights and emissive triangles move",
+                             "no light moves");
              }},
 };
 
@@ -153,6 +163,17 @@ constexpr bool in_order() {
   return true;
 }
 static_assert(in_order(), "a row for every step, in the order of the enumeration");
+
+void count_motion(const Scene& scene, SceneFacts& facts) {
+  const MovingParts moving = moving_parts(scene);
+  facts.moving_instances = moving.instances.size();
+  facts.changing_meshes = moving.meshes.size();
+  facts.moving_lights = moving.lights.size();
+  for (const Index i : moving.instances) {
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    if (scene.materials[mesh.material].emits()) facts.moving_lights += mesh.triangles.size();
+  }
+}
 
 }  // namespace
 
@@ -171,6 +192,7 @@ SceneFacts facts_of(const Scene& scene) {
   }
   facts.has_ambient = any_positive(scene.settings.ambient);
   facts.has_environment = scene.environment && any_positive(scene.environment->mean());
+  count_motion(scene, facts);
   return facts;
 }
 

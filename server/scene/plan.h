@@ -23,8 +23,11 @@ struct SceneFacts {
   std::size_t masked_materials = 0;    ///< alpha tested: Mask or Blend
   std::size_t glossy_materials = 0;    ///< with a specular lobe, however weak
   bool has_ambient = false;
-  bool has_environment = false;  ///< one that is not black
-  bool is_sdf = false;           ///< described by distances, not triangles
+  bool has_environment = false;      ///< one that is not black
+  bool is_sdf = false;               ///< described by distances, not triangles
+  std::size_t moving_instances = 0;  ///< carried by joints, or of meshes that change shape
+  std::size_t changing_meshes = 0;   ///< whose vertices move
+  std::size_t moving_lights = 0;     ///< punctual lights and emissive triangles that are carried
 };
 SceneFacts facts_of(const Scene& scene);
 
@@ -49,7 +52,9 @@ enum class Step {
   Ambient,
   Environment,
   DistanceField,
+  TopLevel,
   Refit,
+  MovingLights,
 };
 
 /// Used: wherever the scene needs it. Forced: everywhere it can be built or run, though nothing

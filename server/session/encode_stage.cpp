@@ -69,6 +69,7 @@ net::FrameBegin EncodeStage::frame_begin(const FrameJob& job) const {
   begin.kernel = config_.offer.kernel;
   begin.config = config_.description;
   begin.seed = config_.seed;
+  begin.scene_time = job.scene_time.since_start;
   begin.settings_generation = job.start.setup->settings.generation;
   return begin;
 }

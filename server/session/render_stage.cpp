@@ -5,8 +5,7 @@
 
 namespace macula::session {
 
-RenderStage::RenderStage(const ServerConfig& config,
-                         std::shared_ptr<const kernels::SceneFrame> scene,
+RenderStage::RenderStage(const ServerConfig& config, std::shared_ptr<kernels::SceneTimeline> scene,
                          std::shared_ptr<const kernels::Kernel> kernel,
                          std::shared_ptr<scheduling::TileScheduler> scheduler,
                          const base::Clock& clock)
@@ -14,7 +13,8 @@ RenderStage::RenderStage(const ServerConfig& config,
       scene_(std::move(scene)),
       kernel_(std::move(kernel)),
       scheduler_(std::move(scheduler)),
-      clock_(clock) {}
+      clock_(clock),
+      scene_clock_(now()) {}
 
 Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
                                           std::stop_token stop) {
@@ -27,10 +27,14 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
   job.views = std::move(prepared->views);
   job.cells = prepared->cells;
 
+  job.scene_time = scene_clock_.at(job.render_begin);
+  const auto scene = scene_->at(job.scene_time);
+  if (!scene) return base::forward(scene);
+
   scheduler_->set_stop_token(std::move(stop));
   const kernels::FrameRequest request{job.views, prepared->foveation, job.start.key.frame,
                                       config_.seed};
-  job.report = kernel_->render(request, *scene_, memory.history, *scheduler_, job.buffers);
+  job.report = kernel_->render(request, **scene, memory.history, *scheduler_, job.buffers);
   std::this_thread::sleep_for(config_.delays.render);
   job.render_end = now();
   if (job.report.stopped) return RenderOutcome::Stopped;

@@ -1,13 +1,15 @@
-// The render stage: a started frame becomes views on foveal grids, and the kernel fills the job's
-// buffers. Called by the render thread only.
+// The render stage: a started frame becomes views on foveal grids, the scene is taken to this
+// moment of its clock, and the kernel fills the job's buffers. Called by the render thread only.
 #pragma once
 
 #include <memory>
 #include <stop_token>
 
 #include "server/kernels/kernel.h"
+#include "server/kernels/scene_timeline.h"
 #include "server/session/config.h"
 #include "server/session/frame_job.h"
+#include "server/session/scene_clock.h"
 #include "shared/base/clock.h"
 #include "shared/base/result.h"
 
@@ -17,21 +19,23 @@ enum class RenderOutcome { Rendered, Stopped };
 
 class RenderStage {
  public:
-  RenderStage(const ServerConfig& config, std::shared_ptr<const kernels::SceneFrame> scene,
+  RenderStage(const ServerConfig& config, std::shared_ptr<kernels::SceneTimeline> scene,
               std::shared_ptr<const kernels::Kernel> kernel,
               std::shared_ptr<scheduling::TileScheduler> scheduler, const base::Clock& clock);
 
-  /// Stopped when `stop` fired: the buffers are incomplete. Errors: views that cannot be prepared.
+  /// Stopped when `stop` fired: the buffers are incomplete. Errors: views that cannot be prepared,
+  /// memory for the scene's moment.
   Result<RenderOutcome> render(FrameJob& job, RenderMemory& memory, std::stop_token stop);
 
  private:
   ServerTime now() const { return ServerTime{clock_.now()}; }
 
   const ServerConfig& config_;
-  std::shared_ptr<const kernels::SceneFrame> scene_;
+  std::shared_ptr<kernels::SceneTimeline> scene_;
   std::shared_ptr<const kernels::Kernel> kernel_;
   std::shared_ptr<scheduling::TileScheduler> scheduler_;
   const base::Clock& clock_;
+  const SceneClock scene_clock_;
 };
 
 }  // namespace macula::session

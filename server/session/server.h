@@ -26,7 +26,7 @@ namespace macula::session {
 /// What a server is made of; the clock must outlive it and be the endpoint's.
 struct ServerParts {
   std::unique_ptr<net::ServerEndpoint> endpoint;
-  std::shared_ptr<const kernels::SceneFrame> scene;
+  std::shared_ptr<kernels::SceneTimeline> scene;
   std::shared_ptr<const kernels::Kernel> kernel;
   std::shared_ptr<scheduling::TileScheduler> scheduler;
   const base::Clock* clock = nullptr;

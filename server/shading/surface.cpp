@@ -36,19 +36,35 @@ SurfaceTable::SurfaceTable(const scene::Scene& scene)
 }
 
 SurfaceTable::SurfaceTable(const scene::Scene& scene, const scene::ScenePose& pose) {
-  uv_per_unit_.reserve(scene.meshes.size());
-  for (const scene::Mesh& mesh : scene.meshes) uv_per_unit_.push_back(uv_densities(mesh));
+  auto densities = std::make_shared<Densities>();
+  densities->reserve(scene.meshes.size());
+  for (const scene::Mesh& mesh : scene.meshes) densities->push_back(uv_densities(mesh));
+  uv_per_unit_ = std::move(densities);
   instances_.reserve(scene.instances.size());
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const scene::Index mesh = scene.instances[i].mesh;
-    const DMat4& world_from_object = pose.world_from_object[i];
-    const DMat3 linear(world_from_object);
-    instances_.push_back({&scene.meshes[mesh], pose.positions(scene, mesh),
-                          pose.normals(scene, mesh), &uv_per_unit_[mesh], linear,
-                          DVec3(world_from_object[3]), Mat3(glm::inverseTranspose(linear)),
-                          static_cast<float>(std::cbrt(std::abs(glm::determinant(linear)))),
-                          scene.meshes[mesh].material});
-  }
+  for (scene::Index i = 0; i < scene.instances.size(); ++i)
+    instances_.push_back(place(scene, i, pose, *uv_per_unit_));
+}
+
+SurfaceTable::Placed SurfaceTable::place(const scene::Scene& scene, scene::Index instance,
+                                         const scene::ScenePose& pose,
+                                         const Densities& densities) {
+  const scene::Index mesh = scene.instances[instance].mesh;
+  const DMat4& world_from_object = pose.world_from_object[instance];
+  const DMat3 linear(world_from_object);
+  return {&scene.meshes[mesh],
+          pose.positions(scene, mesh),
+          pose.normals(scene, mesh),
+          &densities[mesh],
+          linear,
+          DVec3(world_from_object[3]),
+          Mat3(glm::inverseTranspose(linear)),
+          static_cast<float>(std::cbrt(std::abs(glm::determinant(linear)))),
+          scene.meshes[mesh].material};
+}
+
+void SurfaceTable::move(const scene::Scene& scene, std::span<const scene::Index> instances,
+                        const scene::ScenePose& pose) {
+  for (const scene::Index i : instances) instances_[i] = place(scene, i, pose, *uv_per_unit_);
 }
 
 Surface SurfaceTable::at(scene::Index instance, scene::Index triangle,

@@ -1,8 +1,9 @@
 // SurfaceTable: where and how a surface lies at a point named by instance, triangle and barycentric
-// coordinates. World space, meters. Immutable; safe from any thread; refers to the scene and its
-// pose, which must outlive it.
+// coordinates. World space, meters. Safe from any thread but while it moves; refers to the scene
+// and its pose, which must outlive it.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,9 @@ class SurfaceTable {
   SurfaceTable(const scene::Scene& scene, const scene::ScenePose& pose);
   /// At time 0; for scenes whose meshes keep their shape.
   explicit SurfaceTable(const scene::Scene& scene);
+  /// Takes these instances, ascending, to where another pose of the same scene has them.
+  void move(const scene::Scene& scene, std::span<const scene::Index> instances,
+            const scene::ScenePose& pose);
 
   /// The point (1 - u - v) p0 + u p1 + v p2.
   Surface at(scene::Index instance, scene::Index triangle, const Vec2& barycentric) const;
@@ -33,17 +37,21 @@ class SurfaceTable {
   std::size_t instance_count() const { return instances_.size(); }
 
  private:
+  using Densities = std::vector<std::vector<float>>;  ///< per mesh, per triangle, object space
   struct Placed {
     const scene::Mesh* mesh;
     std::span<const Vec3> positions, normals;  ///< the mesh's, as the pose has them
-    const std::vector<float>* uv_per_unit;
+    const std::vector<float>* uv_per_unit;  ///< of the shape at rest
     DMat3 world_from_object;
     DVec3 translation;
     Mat3 normal_from_object;  ///< inverse transpose: keeps fronts in front under mirroring too
     float meters_per_unit;    ///< cube root of the volume scale
     scene::Index material;
   };
-  std::vector<std::vector<float>> uv_per_unit_;  ///< per mesh, per triangle, object space
+  static Placed place(const scene::Scene& scene, scene::Index instance,
+                      const scene::ScenePose& pose, const Densities& densities);
+
+  std::shared_ptr<const Densities> uv_per_unit_;  ///< shared by copies of the table
   std::vector<Placed> instances_;
 };
 

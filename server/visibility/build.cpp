@@ -1,8 +1,7 @@
 // From a Scene to Embree's two levels.
 #include <cstring>
-#include <map>
 
-#include "server/visibility/state.h"
+#include "server/visibility/builder.h"
 
 namespace macula::visibility {
 namespace {
@@ -26,36 +25,10 @@ RTCBuildQuality build_quality(BuildQuality quality) {
   return RTC_BUILD_QUALITY_MEDIUM;
 }
 
-bool is_finite(const DMat4& m) {
-  for (int column = 0; column < 4; ++column) {
-    if (!math::is_finite(DVec3(m[column])) || !std::isfinite(m[column].w)) return false;
-  }
-  return true;
-}
-
-/// Cofactors of the linear part with the sign of its determinant: inverse transpose times a
-/// positive number, so that normals stay on the front side under mirroring.
-DMat3 normal_matrix(const DMat3& linear) {
-  const DMat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                        glm::cross(linear[0], linear[1]));
-  const double determinant = glm::dot(linear[0], cofactors[0]);
-  const double size = glm::length(cofactors[0]) + glm::length(cofactors[1]) +
-                      glm::length(cofactors[2]);  // keeps float normals far from underflow
-  return cofactors * ((determinant < 0.0 ? -1.0 : 1.0) / size);
-}
-
 /// Embree takes the normal of moved vertices by their winding, which a mirroring transform turns.
 Mat3 flat_normal_matrix(const DMat3& linear) {
   const double determinant = glm::dot(linear[0], glm::cross(linear[1], linear[2]));
   return Mat3(determinant < 0.0 ? -1.0F : 1.0F);
-}
-
-/// |det| relative to the lengths of the columns: 1 for orthogonal, 0 for a collapsed transform.
-bool is_invertible(const DMat3& linear) {
-  constexpr double kLeastVolume = 1e-6;  // below it, float instance transforms lose all digits
-  const double volume = std::abs(glm::dot(linear[0], glm::cross(linear[1], linear[2])));
-  const double box = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
-  return box > 0.0 && volume > kLeastVolume * box;
 }
 
 /// Embree's filter callback: the surface is not there where alpha says so.
@@ -66,63 +39,6 @@ void alpha_filter(const RTCFilterFunctionNArguments* call) {
     const float u = RTCHitN_u(call->hit, call->N, i), v = RTCHitN_v(call->hit, call->N, i);
     if (!test.is_there(RTCHitN_primID(call->hit, call->N, i), u, v)) call->valid[i] = 0;
   }
-}
-
-class Builder {
- public:
-  Builder(const scene::Scene& scene, const scene::ScenePose& pose, const Options& options,
-          SceneState& state)
-      : scene_(scene),
-        pose_(pose),
-        options_(options),
-        state_(state),
-        all_flat_(scene.triangle_count() <= options.flat_triangles),
-        uses_(scene.meshes.size(), 0) {}
-  /// Fills state; a device error shows up in state.device_error.
-  void build();
-
- private:
-  RTCScene new_scene() const;
-  RTCGeometry new_triangles(scene::Index mesh, const DMat4& transform);
-  RTCGeometry new_instance_of(RTCScene child, const DMat4& transform) const;
-  RTCScene child_of(scene::Index mesh);
-  AlphaUse alpha_of(const scene::Mesh& mesh) const;
-  const AlphaTest& alpha_test(scene::Index mesh);
-  bool goes_flat(scene::Index instance) const;
-  void add(scene::Index index);
-
-  const scene::Scene& scene_;
-  const scene::ScenePose& pose_;
-  const Options& options_;
-  SceneState& state_;
-  const bool all_flat_;
-  std::vector<std::size_t> uses_;              ///< instances of each mesh
-  std::map<scene::Index, RTCScene> children_;  ///< of shared meshes, owned until build() ends
-  std::map<scene::Index, const AlphaTest*> alpha_tests_;
-};
-
-RTCScene Builder::new_scene() const {
-  const RTCScene made = rtcNewScene(state_.device);
-  rtcSetSceneFlags(
-      made, options_.edges == EdgeTest::Robust ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
-  rtcSetSceneBuildQuality(made, build_quality(options_.quality));
-  return made;
-}
-
-AlphaUse Builder::alpha_of(const scene::Mesh& mesh) const {
-  if (options_.alpha_test == scene::StepUse::LeftOut) return AlphaUse::AlwaysThere;
-  const AlphaUse use = alpha_use(scene_, mesh);
-  const bool forced = options_.alpha_test == scene::StepUse::Forced;
-  return forced && use == AlphaUse::AlwaysThere ? AlphaUse::PerTexel : use;
-}
-
-const AlphaTest& Builder::alpha_test(scene::Index mesh) {
-  const AlphaTest*& known = alpha_tests_[mesh];
-  if (known == nullptr) {
-    state_.alpha_tests.push_back(std::make_unique<AlphaTest>(scene_, scene_.meshes[mesh]));
-    known = state_.alpha_tests.back().get();
-  }
-  return *known;
 }
 
 void copy_vertices(RTCGeometry geometry, std::span<const Vec3> positions, const DMat4& transform) {
@@ -143,79 +59,6 @@ void copy_triangles(RTCGeometry geometry, const scene::Mesh& mesh) {
   std::memcpy(out, mesh.triangles.data(), mesh.triangles.size() * sizeof(UVec3));
 }
 
-RTCGeometry Builder::new_triangles(scene::Index mesh_index, const DMat4& transform) {
-  const scene::Mesh& mesh = scene_.meshes[mesh_index];
-  const RTCGeometry geometry = rtcNewGeometry(state_.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetGeometryBuildQuality(geometry, build_quality(options_.quality));
-  copy_vertices(geometry, pose_.positions(scene_, mesh_index), transform);
-  copy_triangles(geometry, mesh);
-  if (alpha_of(mesh) == AlphaUse::PerTexel) {
-    rtcSetGeometryUserData(geometry, const_cast<AlphaTest*>(&alpha_test(mesh_index)));
-    rtcSetGeometryIntersectFilterFunction(geometry, alpha_filter);
-    rtcSetGeometryOccludedFilterFunction(geometry, alpha_filter);
-  }
-  rtcCommitGeometry(geometry);
-  return geometry;
-}
-
-RTCScene Builder::child_of(scene::Index mesh) {
-  RTCScene& child = children_[mesh];
-  if (child == nullptr) {
-    child = new_scene();
-    const RTCGeometry geometry = new_triangles(mesh, DMat4(1.0));
-    rtcAttachGeometry(child, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(child);
-  }
-  return child;
-}
-
-RTCGeometry Builder::new_instance_of(RTCScene child, const DMat4& transform) const {
-  const RTCGeometry geometry = rtcNewGeometry(state_.device, RTC_GEOMETRY_TYPE_INSTANCE);
-  rtcSetGeometryInstancedScene(geometry, child);
-  rtcSetGeometryTimeStepCount(geometry, 1);
-  float columns[12];
-  for (int i = 0; i < 12; ++i) columns[i] = static_cast<float>(transform[i / 3][i % 3]);
-  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
-  rtcCommitGeometry(geometry);
-  return geometry;
-}
-
-bool Builder::goes_flat(scene::Index instance) const {
-  const scene::Index mesh = scene_.instances[instance].mesh;
-  return all_flat_ || uses_[mesh] < 2 || scene_.meshes[mesh].triangles.size() < kFewTriangles ||
-         !is_invertible(DMat3(pose_.world_from_object[instance]));
-}
-
-/// Ids in the top level are indices of the scene's instances, whichever way a mesh went in.
-void Builder::add(scene::Index index) {
-  const scene::Instance& instance = scene_.instances[index];
-  const scene::Mesh& mesh = scene_.meshes[instance.mesh];
-  if (mesh.triangles.empty() || alpha_of(mesh) == AlphaUse::NeverThere) return;
-  const DMat4& transform = pose_.world_from_object[index];
-  const bool flat = goes_flat(index);
-  const RTCGeometry geometry = flat ? new_triangles(instance.mesh, transform)
-                                    : new_instance_of(child_of(instance.mesh), transform);
-  state_.world_normal_from_embree[index] =
-      flat ? flat_normal_matrix(DMat3(transform)) : Mat3(normal_matrix(DMat3(transform)));
-  rtcAttachGeometryByID(state_.top, geometry, index);
-  rtcReleaseGeometry(geometry);
-}
-
-void Builder::build() {
-  for (const scene::Instance& instance : scene_.instances) ++uses_[instance.mesh];
-  state_.world_normal_from_embree.assign(scene_.instances.size(), Mat3(1.0F));
-  state_.top = new_scene();
-  for (scene::Index i = 0; i < scene_.instances.size(); ++i) add(i);
-  for (const auto& [mesh, child] : children_) rtcReleaseScene(child);  // the instances hold them
-  rtcCommitScene(state_.top);
-}
-
-void keep_first_error(void* user, RTCError, const char* text) {
-  auto& error = static_cast<SceneState*>(user)->device_error;
-  if (error.empty()) error = text == nullptr || *text == '\0' ? "unknown error" : text;
-}
-
 int packet_width(RTCDevice device, PacketWidth wanted) {
   switch (wanted) {
     case PacketWidth::One:
@@ -230,6 +73,71 @@ int packet_width(RTCDevice device, PacketWidth wanted) {
   return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0 ? 16 : 8;
 }
 
+}  // namespace
+
+// ---- the device ----
+
+Result<std::shared_ptr<DeviceState>> DeviceState::create(const std::string& name) {
+  auto state = std::make_shared<DeviceState>();
+  state->device = rtcNewDevice(nullptr);
+  if (state->device == nullptr) {
+    return base::runtime_error(
+        "Embree's device cannot be made, code " + std::to_string(rtcGetDeviceError(nullptr)), name,
+        "Embree needs SSE2 and the memory of one small device");
+  }
+  rtcSetDeviceErrorFunction(state->device, keep_first_error, state.get());
+  return state;
+}
+
+void DeviceState::keep_first_error(void* user, RTCError, const char* text) {
+  auto& state = *static_cast<DeviceState*>(user);
+  const std::lock_guard lock(state.mutex_);
+  if (state.first_error_.empty())
+    state.first_error_ = text == nullptr || *text == '\0' ? "unknown error" : text;
+}
+
+Result<void> DeviceState::check(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  if (first_error_.empty()) return {};
+  return base::runtime_error("Embree cannot build the scene: " + first_error_, name,
+                             "free memory or use a scene with fewer triangles");
+}
+
+// ---- transforms ----
+
+bool is_finite(const DMat4& m) {
+  for (int column = 0; column < 4; ++column) {
+    if (!math::is_finite(DVec3(m[column])) || !std::isfinite(m[column].w)) return false;
+  }
+  return true;
+}
+
+/// Cofactors of the linear part with the sign of its determinant: inverse transpose times a
+/// positive number, so that normals stay on the front side under mirroring.
+DMat3 normal_matrix(const DMat3& linear) {
+  const DMat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                        glm::cross(linear[0], linear[1]));
+  const double determinant = glm::dot(linear[0], cofactors[0]);
+  const double size = glm::length(cofactors[0]) + glm::length(cofactors[1]) +
+                      glm::length(cofactors[2]);  // keeps float normals far from underflow
+  return cofactors * ((determinant < 0.0 ? -1.0 : 1.0) / size);
+}
+
+/// |det| relative to the lengths of the columns: 1 for orthogonal, 0 for a collapsed transform.
+bool is_invertible(const DMat3& linear) {
+  constexpr double kLeastVolume = 1e-6;  // below it, float instance transforms lose all digits
+  const double volume = std::abs(glm::dot(linear[0], glm::cross(linear[1], linear[2])));
+  const double box = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+  return box > 0.0 && volume > kLeastVolume * box;
+}
+
+void set_transform(RTCGeometry instance, const DMat4& transform) {
+  float columns[12];
+  for (int i = 0; i < 12; ++i) columns[i] = static_cast<float>(transform[i / 3][i % 3]);
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns);
+  rtcCommitGeometry(instance);
+}
+
 Result<void> check_transforms(const scene::Scene& scene, const scene::ScenePose& pose) {
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     if (!is_finite(pose.world_from_object[i])) {
@@ -241,7 +149,126 @@ Result<void> check_transforms(const scene::Scene& scene, const scene::ScenePose&
   return {};
 }
 
-}  // namespace
+// ---- meshes and instances ----
+
+Builder::Builder(const scene::Scene& scene, const Options& options, DeviceState& device)
+    : scene_(scene),
+      options_(options),
+      device_(device),
+      all_flat_(scene.triangle_count() <= options.flat_triangles),
+      uses_(scene.meshes.size(), 0) {
+  for (const scene::Instance& instance : scene.instances) ++uses_[instance.mesh];
+}
+
+/// Only a scene of low quality keeps a tree for each geometry, which can be refitted; the trees
+/// themselves are built by surface area all the same. A tree over instances is best built whole.
+SceneHandle Builder::new_scene(Change change) const {
+  SceneHandle made(rtcNewScene(device_.device));
+  unsigned flags = RTC_SCENE_FLAG_NONE;
+  if (options_.edges == EdgeTest::Robust) flags |= RTC_SCENE_FLAG_ROBUST;
+  if (change != Change::Nothing) flags |= RTC_SCENE_FLAG_DYNAMIC;
+  rtcSetSceneFlags(made.get(), static_cast<RTCSceneFlags>(flags));
+  rtcSetSceneBuildQuality(made.get(), change == Change::Vertices ? RTC_BUILD_QUALITY_LOW
+                                                                 : build_quality(options_.quality));
+  return made;
+}
+
+AlphaUse Builder::alpha_of(const scene::Mesh& mesh) const {
+  if (options_.alpha_test == scene::StepUse::LeftOut) return AlphaUse::AlwaysThere;
+  const AlphaUse use = alpha_use(scene_, mesh);
+  const bool forced = options_.alpha_test == scene::StepUse::Forced;
+  return forced && use == AlphaUse::AlwaysThere ? AlphaUse::PerTexel : use;
+}
+
+const AlphaTest& Builder::alpha_test(scene::Index mesh) {
+  auto& known = device_.alpha_tests[mesh];
+  if (known == nullptr) known = std::make_unique<AlphaTest>(scene_, scene_.meshes[mesh]);
+  return *known;
+}
+
+RTCGeometry Builder::new_triangles(scene::Index mesh_index, std::span<const Vec3> positions,
+                                   const DMat4& transform, Change change) {
+  const scene::Mesh& mesh = scene_.meshes[mesh_index];
+  const RTCGeometry geometry = rtcNewGeometry(device_.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetGeometryBuildQuality(geometry, change == Change::Vertices
+                                           ? RTC_BUILD_QUALITY_REFIT
+                                           : build_quality(options_.quality));
+  copy_vertices(geometry, positions, transform);
+  copy_triangles(geometry, mesh);
+  if (alpha_of(mesh) == AlphaUse::PerTexel) {
+    rtcSetGeometryUserData(geometry, const_cast<AlphaTest*>(&alpha_test(mesh_index)));
+    rtcSetGeometryIntersectFilterFunction(geometry, alpha_filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, alpha_filter);
+  }
+  rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+RTCScene Builder::child_of(scene::Index mesh, const scene::ScenePose& pose) {
+  SceneHandle& child = children_[mesh];
+  if (child == nullptr) {
+    child = new_scene();
+    const RTCGeometry geometry =
+        new_triangles(mesh, pose.positions(scene_, mesh), DMat4(1.0), Change::Nothing);
+    rtcAttachGeometry(child.get(), geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(child.get());
+  }
+  return child.get();
+}
+
+bool Builder::is_there(scene::Index instance) const {
+  const scene::Mesh& mesh = scene_.meshes[scene_.instances[instance].mesh];
+  return !mesh.triangles.empty() && alpha_of(mesh) != AlphaUse::NeverThere;
+}
+
+bool Builder::goes_flat(scene::Index instance, const DMat4& world_from_object) const {
+  const scene::Index mesh = scene_.instances[instance].mesh;
+  return all_flat_ || uses_[mesh] < 2 || scene_.meshes[mesh].triangles.size() < kFewTriangles ||
+         !is_invertible(DMat3(world_from_object));
+}
+
+RTCGeometry Builder::add_flat(scene::Index index, const scene::ScenePose& pose, RTCScene into,
+                              SceneState& state, Change change) {
+  const scene::Index mesh = scene_.instances[index].mesh;
+  const DMat4& transform = pose.world_from_object[index];
+  const RTCGeometry geometry = new_triangles(mesh, pose.positions(scene_, mesh), transform, change);
+  state.world_normal_from_embree[index] = flat_normal_matrix(DMat3(transform));
+  rtcAttachGeometryByID(into, geometry, index);
+  rtcReleaseGeometry(geometry);
+  return geometry;
+}
+
+RTCGeometry Builder::add_instance(scene::Index index, RTCScene child, const DMat4& transform,
+                                  SceneState& state) const {
+  const RTCGeometry geometry = rtcNewGeometry(device_.device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, child);
+  rtcSetGeometryTimeStepCount(geometry, 1);
+  set_transform(geometry, transform);
+  if (index < state.world_normal_from_embree.size())
+    state.world_normal_from_embree[index] = Mat3(normal_matrix(DMat3(transform)));
+  rtcAttachGeometryByID(state.top.get(), geometry, index);
+  rtcReleaseGeometry(geometry);
+  return geometry;
+}
+
+std::unique_ptr<SceneState> new_state(const scene::Scene& scene, const Options& options,
+                                      std::shared_ptr<const DeviceState> device) {
+  auto state = std::make_unique<SceneState>();
+  state->packet_width = packet_width(device->device, options.packets);
+  state->scatters =
+      options.packets == PacketWidth::Device && scene.triangle_count() >= kLeastForStreams;
+  state->world_normal_from_embree.assign(scene.instances.size(), Mat3(1.0F));
+  state->device = std::move(device);
+  return state;
+}
+
+bool wants_bvh(const scene::Scene& scene, const Options& options) {
+  return options.bvh == scene::StepUse::Forced ||
+         (options.bvh == scene::StepUse::Used && !scene.instances.empty());
+}
+
+// ---- a scene that stays as it is ----
 
 Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::Scene& scene,
                                                                    const Options& options) {
@@ -251,27 +278,26 @@ Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::
 Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::Scene& scene,
                                                                    const scene::ScenePose& pose,
                                                                    const Options& options) {
+  using Made = std::shared_ptr<const TriangleScene>;
   if (const auto checked = check_transforms(scene, pose); !checked) return base::forward(checked);
-  auto state = std::make_unique<SceneState>();
-  const bool wanted = options.bvh == scene::StepUse::Forced ||
-                      (options.bvh == scene::StepUse::Used && !scene.instances.empty());
-  if (!wanted) return std::shared_ptr<const TriangleScene>(new TriangleScene(std::move(state)));
-  state->device = rtcNewDevice(nullptr);
-  if (state->device == nullptr) {
-    return base::runtime_error(
-        "Embree's device cannot be made, code " + std::to_string(rtcGetDeviceError(nullptr)),
-        scene.name, "Embree needs SSE2 and the memory of one small device");
+  if (!wants_bvh(scene, options)) return Made(new TriangleScene(std::make_unique<SceneState>()));
+  auto device = DeviceState::create(scene.name);
+  if (!device) return base::forward(device);
+  auto state = new_state(scene, options, *device);
+  Builder builder(scene, options, **device);
+  state->top = builder.new_scene();
+  for (scene::Index i = 0; i < scene.instances.size(); ++i) {
+    if (!builder.is_there(i)) continue;
+    const DMat4& transform = pose.world_from_object[i];
+    if (builder.goes_flat(i, transform)) {
+      builder.add_flat(i, pose, state->top.get(), *state);
+    } else {
+      builder.add_instance(i, builder.child_of(scene.instances[i].mesh, pose), transform, *state);
+    }
   }
-  rtcSetDeviceErrorFunction(state->device, keep_first_error, state.get());
-  state->packet_width = visibility::packet_width(state->device, options.packets);
-  state->scatters =
-      options.packets == PacketWidth::Device && scene.triangle_count() >= kLeastForStreams;
-  Builder(scene, pose, options, *state).build();
-  if (!state->device_error.empty()) {
-    return base::runtime_error("Embree cannot build the scene: " + state->device_error, scene.name,
-                               "free memory or use a scene with fewer triangles");
-  }
-  return std::shared_ptr<const TriangleScene>(new TriangleScene(std::move(state)));
+  rtcCommitScene(state->top.get());
+  if (const auto good = (*device)->check(scene.name); !good) return base::forward(good);
+  return Made(new TriangleScene(std::move(state)));
 }
 
 TriangleScene::TriangleScene(std::unique_ptr<SceneState> state) : state_(std::move(state)) {}

@@ -115,7 +115,8 @@ void store_hit(RayHit& in, int lane, const SceneState& state, HitStream& out, in
   out.instance[i] = kNothing;
   if (geometry == RTC_INVALID_GEOMETRY_ID) return;
   const std::uint32_t outer = lanes(in.hit.instID[0])[lane];
-  out.instance[i] = outer == RTC_INVALID_GEOMETRY_ID ? geometry : outer;
+  const bool by_its_triangles = outer == RTC_INVALID_GEOMETRY_ID || outer == state.still_id;
+  out.instance[i] = by_its_triangles ? geometry : outer;
   out.triangle[i] = lanes(in.hit.primID)[lane];
   out.t[i] = lanes(in.ray.tfar)[lane];
   out.u[i] = lanes(in.hit.u)[lane];
@@ -136,7 +137,7 @@ void intersect_stream(const RayStream& rays, const SceneState& state, Coherence 
     const int n = std::min(kWidth, rays.count - first);
     const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet.ray);
     clear_ids(packet.hit, n);
-    if (valid.any != 0) call.trace(valid.lane, state.top, packet);
+    if (valid.any != 0) call.trace(valid.lane, state.top.get(), packet);
     for (int i = 0; i < n; ++i) store_hit(packet, i, state, hits, first + i);
   }
 }
@@ -149,7 +150,7 @@ void occlude_stream(const RayStream& rays, const SceneState& state, Coherence co
   set_constants<kWidth>(packet);
   for (int first = 0; first < rays.count; first += kWidth) {
     const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet);
-    if (valid.any != 0) call.trace(valid.lane, state.top, packet);
+    if (valid.any != 0) call.trace(valid.lane, state.top.get(), packet);
     std::uint8_t occluded[kWidth];
     for (int i = 0; i < kWidth; ++i) {
       // Embree marks an occluded ray by tfar = -infinity.
@@ -180,7 +181,7 @@ void occlude_scattered(const RayStream& rays, const SceneState& state, Occlusion
       running[count++] = single_ray(rays, i);
     }
   }
-  embree::OccludedCall(Coherence::Incoherent).trace(state.top, running, count);
+  embree::OccludedCall(Coherence::Incoherent).trace(state.top.get(), running, count);
   for (unsigned k = 0; k < count; ++k) {
     if (running[k].tfar == -std::numeric_limits<float>::infinity()) {
       result.occluded[running[k].id] = 1;

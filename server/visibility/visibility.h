@@ -2,7 +2,7 @@
 // meters, float. Immutable once made; queries are safe from any number of threads at once.
 // Scenes of moderate size are flattened into one level. In larger ones, meshes with several
 // instances are stored once and instanced; a hit names the scene's own instance either way. The
-// only room that knows Embree.
+// only room that knows Embree. Scenes that move: moving_triangles.h.
 // Alpha: a point of a Mask material is there where alpha >= alpha_cutoff; Blend is treated as a
 // mask with cutoff 0.5, a biased shortcut without noise. Alpha is the nearest texel, base level.
 #pragma once
@@ -38,6 +38,8 @@ struct Options {
   scene::StepUse bvh = scene::StepUse::Used;
   /// LeftOut: every surface is there. Forced: opaque surfaces, too, are asked whether they are.
   scene::StepUse alpha_test = scene::StepUse::Used;
+  /// Forced: what stands still is refitted once, too (MovingTriangles only).
+  scene::StepUse refit = scene::StepUse::Used;
 };
 
 struct Ray {
@@ -83,6 +85,7 @@ class TriangleScene {
   int packet_width() const;
 
  private:
+  friend class MovingTriangles;
   explicit TriangleScene(std::unique_ptr<SceneState> state);
   std::unique_ptr<SceneState> state_;
 };

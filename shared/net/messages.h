@@ -139,6 +139,7 @@ struct FrameBegin {
   bool is_key = true;
   std::uint64_t reference_frame = 0;
   std::vector<InstanceMotion> motions;
+  Nanoseconds scene_time{0};  ///< what moves is shown at this moment of the scene's clock
   std::uint32_t settings_generation = 0;
   std::uint64_t previous_frame = 0;  ///< 0 = none; the two stamps below are that frame's send_queue
   ServerTime previous_send_begin{}, previous_send_end{};

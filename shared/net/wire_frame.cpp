@@ -102,6 +102,7 @@ void read_scalars(const v1::FrameBegin& in, FrameBegin& begin) {
   begin.kernel = in.kernel();
   begin.config = in.config();
   begin.seed = in.seed();
+  begin.scene_time = Nanoseconds{in.scene_time_ns()};
   begin.is_key = in.is_key();
   begin.reference_frame = in.reference_frame();
   begin.settings_generation = in.settings_generation();
@@ -119,6 +120,7 @@ void write(const FrameBegin& begin, v1::FrameBegin& out) {
   out.set_kernel(begin.kernel);
   out.set_config(begin.config);
   out.set_seed(begin.seed);
+  out.set_scene_time_ns(begin.scene_time.count());
   for (const SliceEntry& slice : begin.slices) write_slice(slice, *out.add_slices());
   out.set_is_key(begin.is_key);
   out.set_reference_frame(begin.reference_frame);

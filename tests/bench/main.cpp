@@ -15,6 +15,7 @@
 #include "tests/bench/arguments.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/contact_sheet.h"
+#include "tests/bench/motion.h"
 #include "tests/bench/still.h"
 
 namespace macula::bench {
@@ -217,10 +218,22 @@ Run declare_contact_sheet(CLI::App& command) {
   };
 }
 
+Run declare_motion(CLI::App& command) {
+  auto options = std::make_shared<MotionOptions>();
+  command.add_flag("--quick", options->quick, "Small scenes, a few repetitions");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  command.footer(
+      "One row a scene that moves in one way; CPU milliseconds of all threads for one moment:\n"
+      "pose, transforms with the top level or refits, the surface table, the light list, all of\n"
+      "it by a SceneTimeline, and the triangles built anew for comparison.");
+  return [options]() -> Result<void> { return run_motion(*options); };
+}
+
 constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
+    {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
 };
 
 int complain(const Error& error) {

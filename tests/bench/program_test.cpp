@@ -268,5 +268,35 @@ TEST_F(Program, AgreesWithOutsideProgramsOnRadiance) {
   EXPECT_NEAR(row.at("flip_weighted_median"), 0.289413, 1e-3);
 }
 
+TEST_F(Program, StillsOfAMovingSceneRepeatAfterItsCycle) {
+  const auto still = [&](const char* time, const std::string& name) {
+    const Finished run = bench(
+        {"still", "--scene", "moving", "--time", time, "--size", "48x36", "--out", path(name)});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return text_of(path(name));
+  };
+  const std::string start = still("0", "start.exr");
+  EXPECT_EQ(still("24", "cycle.exr"), start);
+  EXPECT_NE(still("3.2", "later.exr"), start);
+}
+
+TEST_F(Program, AMomentOfEveryKindOfMotionCostsLessThanBuildingAnew) {
+  const Finished run = bench({"motion", "--quick"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  std::istringstream lines(run.out);
+  std::string header, line;
+  std::getline(lines, header);
+  EXPECT_TRUE(header.ends_with("moment_cpu_ms  rebuild_cpu_ms")) << header;
+  int rows = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+    ASSERT_EQ(fields.size(), 9U) << line;
+    EXPECT_LT(std::stod(fields[7]), std::stod(fields[8])) << line;
+    ++rows;
+  }
+  EXPECT_EQ(rows, 6);
+}
+
 }  // namespace
 }  // namespace macula::bench

@@ -85,9 +85,9 @@ class LoopbackServer {
     options.ambient_samples = 0;
     return options;
   }
-  static std::shared_ptr<const kernels::SceneFrame> shared_scene() {
-    static const auto frame = *kernels::SceneFrame::create(*scene::load_scene("cornell"));
-    return frame;
+  static std::shared_ptr<kernels::SceneTimeline> shared_scene() {
+    static const auto timeline = *kernels::SceneTimeline::create(*scene::load_scene("cornell"));
+    return timeline;
   }
 
   base::SteadyClock clock_;

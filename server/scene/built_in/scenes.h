@@ -10,6 +10,7 @@ namespace macula::scene::built_in {
 
 Scene cornell(std::uint64_t seed);
 Scene posts(std::uint64_t seed);
+Scene moving(std::uint64_t seed);
 Scene atrium(std::uint64_t seed);
 Scene city_of_houses(std::uint64_t seed);
 Scene city_instanced(std::uint64_t seed);

@@ -148,6 +148,7 @@ TEST(ScenePose, JointsMultiplyFromTheRootWithBaseBeforeTracks) {
 TEST(ScenePose, LightsAndCamerasHangFromJointsToo) {
   Scene scene = carousel();
   scene.lights.resize(2);
+  scene.lights[0].kind = LightKind::Spot;
   scene.lights[0].position = {1.0, 2.0, 0.0};
   scene.lights[0].direction = {1.0F, 0.0F, 0.0F};
   scene.lights[0].joint = 0;

@@ -29,6 +29,8 @@ void expect_indices_in_range(const Scene& scene) {
     ASSERT_LT(instance.mesh, scene.meshes.size());
     ASSERT_GT(glm::determinant(DMat3(instance.parent_from_object)), 0.0);
   }
+  const auto motion = check_motion(scene);
+  ASSERT_TRUE(motion) << (motion ? "" : motion.error().message());
   for (const Material& material : scene.materials) {
     for (const auto& texture : {material.base_color_texture, material.emission_texture}) {
       if (texture) {

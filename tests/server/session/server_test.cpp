@@ -6,7 +6,7 @@
 #include <functional>
 #include <thread>
 
-#include "server/kernels/scene_frame.h"
+#include "server/kernels/scene_timeline.h"
 #include "server/scene/load.h"
 #include "tests/server/session/session_fixtures.h"
 
@@ -112,7 +112,7 @@ class ServerTest : public testing::Test {
     auto scene = scene::load_scene("cornell");
     ASSERT_TRUE(scene) << scene.error().message();
     ServerParts parts;
-    parts.scene = *kernels::SceneFrame::create(*scene);
+    parts.scene = *kernels::SceneTimeline::create(*scene);
     parts.kernel = std::make_shared<WallKernel>(tiles, tile_time);
     parts.scheduler = std::make_shared<scheduling::TileScheduler>(2);
     parts.clock = &clock_;
@@ -166,6 +166,21 @@ TEST_F(ServerTest, FramesCarryEverythingTheyWereMadeWith) {
     EXPECT_EQ(begin.slices[i].size_bytes, frames[1].payloads[i]->size());
     const PixelGrid& grid = begin.views[begin.slices[i].eye].grid;
     EXPECT_EQ(begin.slices[i].rect, (image::Rect{0, 0, grid.width(), grid.height()}));
+  }
+}
+
+TEST_F(ServerTest, FramesTellTheSceneTimeOfTheirBeginning) {
+  serve();
+  const ServerTime started = now();
+  const auto frames = stream(connect().epoch, 4);
+  Nanoseconds last{0};
+  for (const net::EncodedFrame& frame : frames) {
+    const Nanoseconds scene_time = frame.begin.scene_time;
+    EXPECT_EQ(scene_time % SceneClock::kTick, 0ns);
+    EXPECT_GE(scene_time, last);
+    // The clock began with the server, a moment before `started`.
+    EXPECT_GE(scene_time, frame.end.render_begin - started - SceneClock::kTick);
+    last = scene_time;
   }
 }
 

@@ -59,6 +59,7 @@ class RandomMessages {
     begin.kernel = text();
     begin.config = text();
     begin.seed = random_();
+    begin.scene_time = Nanoseconds{ns()};
     for (std::uint32_t eye = 0; eye < 2; ++eye) {
       begin.slices.push_back(
           {eye, 1, PlaneKind::Color, SliceCodec::Jpeg, {0, 8, 40, 20}, 1 + u32() % 9999});
