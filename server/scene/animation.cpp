@@ -1,8 +1,10 @@
 #include "server/scene/animation.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
+#include "server/scene/field_scene.h"
 #include "server/scene/keys.h"
 #include "shared/base/check.h"
 
@@ -96,6 +98,15 @@ Pose posed(const Camera& camera, const std::vector<DMat4>& world_from_joint) {
   return {position, glm::normalize(glm::quat_cast(DMat3(right, glm::cross(back, right), back)))};
 }
 
+/// A field's lights and cameras follow its own keyframes, not joints.
+void pose_field(const Scene& scene, SceneTime time, ScenePose& pose) {
+  const double seconds = std::chrono::duration<double>(time.since_start).count();
+  pose.lights = field_lights(*scene.field, seconds);
+  pose.world_from_view.clear();
+  for (const Camera& camera : field_cameras(*scene.field, seconds))
+    pose.world_from_view.push_back(camera.parent_from_view);
+}
+
 }  // namespace
 
 std::vector<DMat4> joint_transforms(const Scene& scene, SceneTime time) {
@@ -119,6 +130,7 @@ MovingParts moving_parts(const Scene& scene) {
   parts.lights = indices_of(scene.lights, carried);
   parts.cameras = indices_of(scene.cameras, carried);
   parts.meshes = indices_of(scene.meshes, changes_shape);
+  parts.field = scene.field != nullptr && scene.field->moves();
   return parts;
 }
 
@@ -146,6 +158,7 @@ ScenePose pose_at(const Scene& scene, SceneTime time) {
     const Deformation& deformation = scene.meshes[i].deformation;
     if (!deformation.empty()) reshape(deformation, time, pose.shapes[i]);
   }
+  if (scene.field != nullptr) pose_field(scene, time, pose);
   return pose;
 }
 
@@ -159,6 +172,7 @@ void repose(const Scene& scene, const MovingParts& moving, SceneTime time, Scene
   for (const Index i : moving.cameras)
     pose.world_from_view[i] = posed(scene.cameras[i], world_from_joint);
   for (const Index i : moving.meshes) reshape(scene.meshes[i].deformation, time, pose.shapes[i]);
+  if (moving.field) pose_field(scene, time, pose);
 }
 
 std::vector<InstanceMotion> motions_between(const ScenePose& before, const ScenePose& now) {

@@ -29,9 +29,10 @@ struct MovingParts {
   std::vector<Index> instances;  ///< carried by a joint or of a mesh that changes shape
   std::vector<Index> lights, cameras;
   std::vector<Index> meshes;  ///< that change shape
+  bool field = false;         ///< a distance field with keyframes, its lights and cameras with it
 
   bool none() const {
-    return instances.empty() && lights.empty() && cameras.empty() && meshes.empty();
+    return instances.empty() && lights.empty() && cameras.empty() && meshes.empty() && !field;
   }
 };
 MovingParts moving_parts(const Scene& scene);

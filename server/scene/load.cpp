@@ -9,9 +9,11 @@
 #include "server/scene/assimp/import.h"
 #include "server/scene/built_in/scenes.h"
 #include "server/scene/environment.h"
+#include "server/scene/field_scene.h"
 #include "server/scene/gltf/import.h"
 #include "server/scene/settle.h"
 #include "server/scene/side_file.h"
+#include "server/sdf/read.h"
 #include "shared/base/text.h"
 
 namespace macula::scene {
@@ -76,7 +78,7 @@ constexpr std::array kBuiltIn{
 
 std::string names_of_built_in_scenes() {
   std::string names;
-  for (const BuiltIn& entry : kBuiltIn)
+  for (const SceneName& entry : scene_names())
     names += std::string(names.empty() ? "" : ", ").append(entry.name);
   return names;
 }
@@ -89,6 +91,18 @@ constexpr std::size_t kMostPlacedTriangles = std::size_t{1} << 28;
 bool names_a_gltf_file(const std::string& path) {
   const std::string suffix = std::filesystem::path(path).extension().string();
   return suffix == ".gltf" || suffix == ".glb";
+}
+
+constexpr std::string_view kFieldSuffix = ".sdf.json";
+
+bool names_a_field_file(const std::string& path) {
+  return path.size() > kFieldSuffix.size() && path.ends_with(kFieldSuffix);
+}
+
+Result<std::shared_ptr<const Scene>> settled(Result<sdf::Field> field) {
+  if (!field) return forward(field);
+  return std::make_shared<const Scene>(
+      scene_of(std::make_shared<const sdf::Field>(std::move(*field))));
 }
 
 /// The scene in its file's units, and what the side file says of it.
@@ -144,14 +158,27 @@ std::span<const BuiltIn> built_in_scenes() {
   return kBuiltIn;
 }
 
+std::vector<SceneName> scene_names() {
+  std::vector<SceneName> names;
+  for (const BuiltIn& entry : kBuiltIn) names.push_back({entry.name, entry.summary});
+  for (const sdf::BuiltInField& entry : sdf::built_in_fields())
+    names.push_back({entry.name, entry.summary});
+  return names;
+}
+
 Result<std::shared_ptr<const Scene>> load_scene(const std::string& name_or_path) {
   for (const BuiltIn& entry : kBuiltIn) {
     if (entry.name == name_or_path) return std::make_shared<const Scene>(entry.make(kSeed));
   }
+  for (const sdf::BuiltInField& entry : sdf::built_in_fields()) {
+    if (entry.name == name_or_path)
+      return settled(sdf::parse_field(entry.text, std::string(entry.name)));
+  }
+  if (names_a_field_file(name_or_path)) return settled(sdf::read_field(name_or_path));
   if (names_a_gltf_file(name_or_path) || assimp::reads(name_or_path))
     return load_file(name_or_path);
   return base::bad_input("no such scene", name_or_path,
-                         "a file ending in .gltf, .glb, " + assimp::list_of_suffixes() +
+                         "a file ending in .gltf, .glb, .sdf.json, " + assimp::list_of_suffixes() +
                              ", or one of " + names_of_built_in_scenes());
 }
 
@@ -168,6 +195,11 @@ std::string describe_built_in_scenes() {
          << std::setw(17) << "" << counts.triangles << " triangles (" << counts.unique_triangles
          << " unique, " << counts.emissive_triangles << " emissive), " << counts.lights
          << " lights\n";
+  }
+  for (const sdf::BuiltInField& entry : sdf::built_in_fields()) {
+    text << std::left << std::setw(17) << entry.name << entry.summary << '\n'
+         << std::setw(17) << ""
+         << "a distance field\n";
   }
   return std::move(text).str();
 }

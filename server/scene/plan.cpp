@@ -66,7 +66,7 @@ bool is_glossy(const Material& material) {
 
 /// By material: whether an instance shows it.
 std::vector<bool> materials_shown(const Scene& scene) {
-  std::vector<bool> shown(scene.materials.size());
+  std::vector<bool> shown(scene.materials.size(), scene.field != nullptr);
   for (const Instance& instance : scene.instances) {
     shown[scene.meshes[instance.mesh].material] = true;
   }
@@ -182,6 +182,7 @@ SceneFacts facts_of(const Scene& scene) {
   facts.triangles = scene.triangle_count();
   facts.emissive_triangles = scene.emissive_triangle_count();
   facts.lights = scene.lights.size();
+  facts.is_sdf = scene.field != nullptr;
   const std::vector<bool> shown = materials_shown(scene);
   for (std::size_t i = 0; i < shown.size(); ++i) {
     if (!shown[i]) continue;

@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "server/scene/animation.h"
+#include "server/sdf/field.h"
+#include "shared/base/text.h"
 
 namespace macula::scene {
 
@@ -60,6 +62,10 @@ Bounds Scene::bounds(SceneTime time) const {
 }
 
 std::string describe(const Scene& scene) {
+  if (scene.field != nullptr) {
+    return base::concat("a distance field of ", scene.field->nodes.size(), " nodes, ",
+                        scene.lights.size(), " lights, ", scene.materials.size(), " materials");
+  }
   const DVec3 size = scene.bounds().size();
   std::ostringstream text;
   text << scene.triangle_count() << " triangles (" << scene.unique_triangle_count() << " unique, "

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,10 @@
 #include "shared/image/png.h"
 #include "shared/image/tone.h"
 #include "shared/math/pose.h"
+
+namespace macula::sdf {
+struct Field;
+}
 
 namespace macula::scene {
 
@@ -152,7 +157,8 @@ struct Scene {
   std::vector<Camera> cameras;
   std::optional<Environment> environment;
   Settings settings;
-  std::vector<std::string> warnings;  ///< what the importer ignored or repaired
+  std::shared_ptr<const sdf::Field> field;  ///< a distance field instead of meshes; or null
+  std::vector<std::string> warnings;        ///< what the importer ignored or repaired
 
   std::size_t triangle_count() const;           ///< over instances
   std::size_t emissive_triangle_count() const;  ///< over instances

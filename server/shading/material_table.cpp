@@ -70,12 +70,13 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_
   return make_bsdf(entry.material, base, metallic * texture.z, roughness * texture.y);
 }
 
-Bsdf MaterialTable::bsdf(scene::Index material, const PatternPoint& at, MaterialModel model) const {
+Bsdf MaterialTable::bsdf(scene::Index material, const Rgb& base_color, MaterialModel model) const {
   const scene::Material& m = materials_[material].material;
-  const Rgb base = base_color(material, at);
-  if (model == MaterialModel::Lambert) return Bsdf{base};
-  if (options_.specular_lobe == scene::StepUse::LeftOut) return Bsdf{(1.0F - m.metallic) * base};
-  return make_bsdf(m, base, m.metallic, m.roughness);
+  if (model == MaterialModel::Lambert) return Bsdf{base_color};
+  if (options_.specular_lobe == scene::StepUse::LeftOut) {
+    return Bsdf{(1.0F - m.metallic) * base_color};
+  }
+  return make_bsdf(m, base_color, m.metallic, m.roughness);
 }
 
 Bsdf MaterialTable::make_bsdf(const scene::Material& material, const Rgb& base, float metallic,

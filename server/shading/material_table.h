@@ -33,9 +33,10 @@ class MaterialTable {
   Bsdf bsdf(scene::Index material, const Vec2& uv, float footprint_uv, MaterialModel model) const;
   /// Base colour times texture: what the albedo plane shows.
   Rgb base_color(scene::Index material, const Vec2& uv, float footprint_uv) const;
-  /// The same for a surface without texture coordinates, whose pattern is a function of its place.
-  Bsdf bsdf(scene::Index material, const PatternPoint& at, MaterialModel model) const;
+  /// The same for a surface without texture coordinates: its pattern is a function of its place,
+  /// and its BSDF one of the colour that came of it.
   Rgb base_color(scene::Index material, const PatternPoint& at) const;
+  Bsdf bsdf(scene::Index material, const Rgb& base_color, MaterialModel model) const;
   /// Radiance leaving the front face, W/(sr m^2).
   Rgb emission(scene::Index material, const Vec2& uv, float footprint_uv) const;
   /// The same averaged over the whole texture.

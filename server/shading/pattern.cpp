@@ -30,18 +30,18 @@ Vec2 across(const Vec3& position, const Vec3& normal) {
 
 /// Squares where both coordinates lie in the same half of their periods, or both do not: with
 /// s = 2 p - 1 the product of two independent means is the mean of the product.
-float checker(const Vec2& at, float width) {
-  const float u = 2.0F * pulses(0.5F * at.x, 0.5F, 0.5F * width) - 1.0F;
-  const float v = 2.0F * pulses(0.5F * at.y, 0.5F, 0.5F * width) - 1.0F;
+float checker(const Vec2& at, const Vec2& width) {
+  const float u = 2.0F * pulses(0.5F * at.x, 0.5F, 0.5F * width.x) - 1.0F;
+  const float v = 2.0F * pulses(0.5F * at.y, 0.5F, 0.5F * width.y) - 1.0F;
   return 0.5F - 0.5F * u * v;
 }
 
-float bricks(const Vec2& at, float width) {
+float bricks(const Vec2& at, const Vec2& width) {
   constexpr float kJoint = 0.08F;  // of a brick's height
   const float course = std::floor(at.y);
   const float shift = std::fmod(std::abs(course), 2.0F) < 0.5F ? 0.0F : 0.5F;
-  const float upright = pulses(0.5F * at.x + shift, 0.5F * kJoint, 0.5F * width);
-  const float level = pulses(at.y, kJoint, width);
+  const float upright = pulses(0.5F * at.x + shift, 0.5F * kJoint, 0.5F * width.x);
+  const float level = pulses(at.y, kJoint, width.y);
   return 1.0F - (1.0F - upright) * (1.0F - level);
 }
 
@@ -78,16 +78,16 @@ float noise(const Vec3& at, float width) {
 
 float second_share(const scene::Pattern& pattern, const PatternPoint& point) {
   const float per_size = 1.0F / pattern.size_m;
-  const float width = point.footprint_m * per_size;
+  const Vec3 width = per_size * point.footprint_m;
   switch (pattern.kind) {
     case scene::PatternKind::Checker:
-      return checker(per_size * across(point.position, point.normal), width);
+      return checker(per_size * across(point.position, point.normal), across(width, point.normal));
     case scene::PatternKind::Bricks:
-      return bricks(per_size * across(point.position, point.normal), width);
+      return bricks(per_size * across(point.position, point.normal), across(width, point.normal));
     case scene::PatternKind::Stripes:
-      return pulses(0.5F * per_size * point.position.y, 0.5F, 0.5F * width);
+      return pulses(0.5F * per_size * point.position.y, 0.5F, 0.5F * width.y);
     case scene::PatternKind::Noise:
-      return noise(per_size * point.position, width);
+      return noise(per_size * point.position, std::max({width.x, width.y, width.z}));
   }
   return 0.0F;
 }

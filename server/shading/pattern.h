@@ -1,6 +1,6 @@
 // Procedural patterns: where a surface shows the first and where the second of two colours, as a
 // function of its place in the world, for surfaces that have no texture coordinates. Answers are
-// means over the square a sample stands for, so that patterns fade instead of flickering. World
+// means over the box a sample stands for, so that patterns fade instead of flickering. World
 // space, meters. Pure functions.
 #pragma once
 
@@ -10,13 +10,13 @@
 namespace macula::shading {
 
 struct PatternPoint {
-  Vec3 position{0.0F};       ///< world, meters
-  Vec3 normal{0.0F};         ///< unit; its largest axis is left out by patterns of two axes
-  float footprint_m = 0.0F;  ///< side of the square to average over; 0: the point itself
+  Vec3 position{0.0F};     ///< world, meters
+  Vec3 normal{0.0F};       ///< unit; its largest axis is left out by patterns of two axes
+  Vec3 footprint_m{0.0F};  ///< along each axis: the box to average over; 0: the point itself
 };
 
-/// Share of the second colour at a point, in [0, 1]: the mean over the axis-aligned square of
-/// `footprint_m`, exact for Checker and Stripes. Bricks treat courses beyond the point's own as
+/// Share of the second colour at a point, in [0, 1]: the mean over the box of `footprint_m`
+/// around it, exact for Checker and Stripes. Bricks treat courses beyond the point's own as
 /// lying like it; Noise fades an octave to its mean as its period shrinks to one footprint.
 ///   Checker  squares of size_m
 ///   Bricks   running bond of bricks 2 size_m long and size_m high, joints in the second colour

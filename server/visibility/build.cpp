@@ -302,6 +302,9 @@ Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::
 
 TriangleScene::TriangleScene(std::unique_ptr<SceneState> state) : state_(std::move(state)) {}
 TriangleScene::~TriangleScene() = default;
+bool TriangleScene::has_device() const {
+  return state_->device != nullptr;
+}
 int TriangleScene::packet_width() const {
   return state_->packet_width;
 }

@@ -80,6 +80,8 @@ class TriangleScene {
   std::optional<Hit> intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
+  /// Whether Embree was asked for anything: not for scenes without triangles.
+  bool has_device() const;
   /// Rays per packet in use: 1, 8 or 16; 0 without a device. Tiles that keep 4x4 or 4x2 neighbours
   /// together fit it.
   int packet_width() const;

@@ -101,9 +101,9 @@ TEST(MaterialTable, APatternPutsItsSecondColourWhereItSays) {
   scene.materials[0].pattern = scene::Pattern{scene::PatternKind::Checker, Rgb{0.1F}, 1.0F};
   const MaterialTable table(scene);
   const Vec3 up{0.0F, 1.0F, 0.0F};
-  EXPECT_EQ(table.base_color(0, PatternPoint{{0.5F, 0.0F, 0.5F}, up, 0.0F}), Rgb{0.8F});
-  EXPECT_EQ(table.base_color(0, PatternPoint{{1.5F, 0.0F, 0.5F}, up, 0.0F}), Rgb{0.1F});
-  const Bsdf bsdf = table.bsdf(0, {{1.5F, 0.0F, 0.5F}, up, 0.0F}, MaterialModel::AsInScene);
+  EXPECT_EQ(table.base_color(0, PatternPoint{{0.5F, 0.0F, 0.5F}, up, Vec3{0.0F}}), Rgb{0.8F});
+  EXPECT_EQ(table.base_color(0, PatternPoint{{1.5F, 0.0F, 0.5F}, up, Vec3{0.0F}}), Rgb{0.1F});
+  const Bsdf bsdf = table.bsdf(0, Rgb{0.1F}, MaterialModel::AsInScene);
   EXPECT_EQ(bsdf.albedo, Rgb{0.1F});
   EXPECT_FALSE(bsdf.glossy());
 }

@@ -34,7 +34,7 @@ float mean_over_floor(const Pattern& p, const Vec3& centre, float width) {
     for (int i = 0; i < kSide; ++i) {
       const Vec2 share = (Vec2{static_cast<float>(i), static_cast<float>(j)} + 0.5F) / 64.0F - 0.5F;
       const Vec3 at = centre + width * Vec3{share.x, 0.0F, share.y};
-      sum += second_share(p, {at, {0.0F, 1.0F, 0.0F}, 0.0F});
+      sum += second_share(p, {at, {0.0F, 1.0F, 0.0F}, Vec3{0.0F}});
     }
   }
   return static_cast<float>(sum / (kSide * kSide));
@@ -43,10 +43,10 @@ float mean_over_floor(const Pattern& p, const Vec3& centre, float width) {
 TEST(Pattern, ACheckerAlternatesOverSquaresOfItsSize) {
   const Pattern p = pattern(PatternKind::Checker);
   const Vec3 up{0.0F, 1.0F, 0.0F};
-  EXPECT_EQ(second_share(p, {{0.1F, 9.0F, 0.1F}, up, 0.0F}), 0.0F);
-  EXPECT_EQ(second_share(p, {{0.6F, 9.0F, 0.1F}, up, 0.0F}), 1.0F);
-  EXPECT_EQ(second_share(p, {{0.6F, 9.0F, -0.1F}, up, 0.0F}), 0.0F);
-  EXPECT_EQ(second_share(p, {{-0.1F, 9.0F, 0.1F}, up, 0.0F}), 1.0F);
+  EXPECT_EQ(second_share(p, {{0.1F, 9.0F, 0.1F}, up, Vec3{0.0F}}), 0.0F);
+  EXPECT_EQ(second_share(p, {{0.6F, 9.0F, 0.1F}, up, Vec3{0.0F}}), 1.0F);
+  EXPECT_EQ(second_share(p, {{0.6F, 9.0F, -0.1F}, up, Vec3{0.0F}}), 0.0F);
+  EXPECT_EQ(second_share(p, {{-0.1F, 9.0F, 0.1F}, up, Vec3{0.0F}}), 1.0F);
 }
 
 TEST(Pattern, AFilteredCheckerIsTheMeanOfItsSquare) {
@@ -54,7 +54,7 @@ TEST(Pattern, AFilteredCheckerIsTheMeanOfItsSquare) {
   for (int i = 0; i < 40; ++i) {
     const Vec3 at = random_place(i);
     const float width = 0.05F + 1.7F * random(1000 + i);
-    const float own = second_share(p, {at, {0.0F, 1.0F, 0.0F}, width});
+    const float own = second_share(p, {at, {0.0F, 1.0F, 0.0F}, Vec3{width}});
     // 64 x 64 points resolve an edge to 1/64 of the width on either axis.
     EXPECT_NEAR(own, mean_over_floor(p, at, width), 2.5F / 64.0F) << "width " << width;
   }
@@ -65,7 +65,7 @@ TEST(Pattern, AnUnfilteredAnswerFailsThatTest) {
   int wrong = 0;
   for (int i = 0; i < 40; ++i) {
     const Vec3 at = random_place(i);
-    const float own = second_share(p, {at, {0.0F, 1.0F, 0.0F}, 0.0F});
+    const float own = second_share(p, {at, {0.0F, 1.0F, 0.0F}, Vec3{0.0F}});
     wrong += std::abs(own - mean_over_floor(p, at, 0.8F)) > 2.5F / 64.0F;
   }
   EXPECT_GT(wrong, 30);
@@ -74,8 +74,8 @@ TEST(Pattern, AnUnfilteredAnswerFailsThatTest) {
 TEST(Pattern, FarAwayEveryPatternIsItsMean) {
   for (const PatternKind kind : kKinds) {
     const Pattern p = pattern(kind);
-    const float here = second_share(p, {random_place(1), {0.0F, 1.0F, 0.0F}, 200.0F});
-    const float there = second_share(p, {random_place(2), {0.0F, 1.0F, 0.0F}, 200.0F});
+    const float here = second_share(p, {random_place(1), {0.0F, 1.0F, 0.0F}, Vec3{200.0F}});
+    const float there = second_share(p, {random_place(2), {0.0F, 1.0F, 0.0F}, Vec3{200.0F}});
     EXPECT_NEAR(here, there, 0.01F);
     EXPECT_GT(here, 0.05F);
     EXPECT_LT(here, 0.95F);
@@ -87,7 +87,7 @@ TEST(Pattern, IsAShareEverywhereAndFinite) {
     for (int i = 0; i < 500; ++i) {
       const Vec3 place = (i % 3 == 0 ? 1e5F : 1.0F) * random_place(i);
       const Vec3 normal = glm::normalize(random_place(i + 7) + Vec3{0.01F});
-      const float share = second_share(pattern(kind), {place, normal, random(i) * 2.0F});
+      const float share = second_share(pattern(kind), {place, normal, Vec3{random(i) * 2.0F}});
       EXPECT_GE(share, 0.0F);
       EXPECT_LE(share, 1.0F);
     }
@@ -98,8 +98,8 @@ TEST(Pattern, ScalesWithItsSize) {
   for (const PatternKind kind : kKinds) {
     for (int i = 0; i < 50; ++i) {
       const Vec3 at = random_place(i), normal{0.0F, 0.0F, 1.0F};
-      EXPECT_NEAR(second_share(pattern(kind, 0.5F), {at, normal, 0.1F}),
-                  second_share(pattern(kind, 2.0F), {4.0F * at, normal, 0.4F}), 1e-4F);
+      EXPECT_NEAR(second_share(pattern(kind, 0.5F), {at, normal, Vec3{0.1F}}),
+                  second_share(pattern(kind, 2.0F), {4.0F * at, normal, Vec3{0.4F}}), 1e-4F);
     }
   }
 }
