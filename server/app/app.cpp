@@ -20,7 +20,7 @@ namespace {
 using SceneTable = std::shared_ptr<const scene::Scene>;
 
 void print_scenes() {
-  for (const scene::BuiltIn& entry : scene::built_in_scenes())
+  for (const scene::SceneName& entry : scene::scene_names())
     std::cout << entry.name << "\t" << entry.summary << "\n";
 }
 
@@ -153,6 +153,8 @@ Result<void> run(Options options, const Environment& environment, StopSignal& st
   auto scene = scene::load_scene(options.scene);
   if (!scene) return base::forward(scene);
   const PlannedScene planned = plan_scene(options, std::move(*scene));
+  if (auto ok = kernels::check_scene(planned.kernel.kernel, *planned.scene); !ok)
+    return base::forward(ok);
   auto kernel = kernels::make_kernel(planned.kernel.kernel, kernel_options(options));
   if (!kernel) return base::forward(kernel);
 

@@ -17,6 +17,7 @@ enum PlaneFlag : unsigned {
   kRate = 1U << 4,
   kVariance = 1U << 5,
   kSamples = 1U << 6,
+  kSteps = 1U << 7,  ///< kernels that march distance fields only
 };
 
 struct ViewBuffers {
@@ -29,6 +30,7 @@ struct ViewBuffers {
   image::Plane<float> rate;      ///< samples per nominal display pixel that were wanted
   image::Plane<float> variance;  ///< of the mean luminance
   image::Plane<float> samples;   ///< samples taken in the cell
+  image::Plane<float> steps;     ///< evaluations of the field a sample
 };
 
 struct FrameBuffers {

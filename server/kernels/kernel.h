@@ -39,9 +39,23 @@ struct FrameReport {
   std::uint64_t primary_rays = 0;
   std::uint64_t shadow_rays = 0;
   std::uint64_t non_finite_samples = 0;  ///< replaced by black and counted
+  std::uint64_t field_evaluations = 0;   ///< of a distance field, a point each; cones included
+  std::uint64_t field_operations = 0;    ///< lane operations of these
+  std::uint64_t unfinished_rays = 0;     ///< that ran out of steps or met a field that is no number
   double trace_ms = 0.0,
          shade_ms = 0.0;  ///< thread-summed shares of the frame where a kernel has them
   std::vector<std::string> biased_shortcuts;  ///< empty in mode exact
+
+  /// Adds another part's work; stopped if either was. Shortcuts stay this part's.
+  FrameReport& operator+=(const FrameReport& part) {
+    stopped = stopped || part.stopped;
+    primary_rays += part.primary_rays, shadow_rays += part.shadow_rays;
+    non_finite_samples += part.non_finite_samples;
+    field_evaluations += part.field_evaluations, field_operations += part.field_operations;
+    unfinished_rays += part.unfinished_rays;
+    trace_ms += part.trace_ms, shade_ms += part.shade_ms;
+    return *this;
+  }
 };
 
 /// A point to shade, e.g. of the second layer: what a ray hit, and where it came from.

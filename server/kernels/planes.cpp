@@ -30,6 +30,7 @@ void prepare_buffers(std::span<const View> views, FrameBuffers& out) {
     size_plane(planes.rate, (out.wanted & kRate) != 0, width, height);
     size_plane(planes.variance, (out.wanted & kVariance) != 0, width, height);
     size_plane(planes.samples, (out.wanted & kSamples) != 0, width, height);
+    size_plane(planes.steps, (out.wanted & kSteps) != 0, width, height);
   }
 }
 

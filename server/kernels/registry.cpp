@@ -1,27 +1,38 @@
 #include "server/kernels/registry.h"
 
 #include <array>
+#include <limits>
 #include <string>
 
 #include "server/kernels/brute.h"
 #include "server/kernels/ray/ray_kernel.h"
+#include "server/kernels/sphere/sphere_kernel.h"
 #include "shared/base/text.h"
 
 namespace macula::kernels {
 namespace {
 
 constexpr int kMostBounces = 1;
+constexpr int kAnyCount = std::numeric_limits<int>::max();
 
 constexpr std::array kTable{
-    KernelEntry{"ray", "triangles", 0,
+    KernelEntry{"ray", SceneKind::Triangles, 0, kAnyCount,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
                   return std::make_unique<ray::RayKernel>(ray::make_config(options));
                 }},
-    KernelEntry{"brute", "triangles", kMostBounces,
+    KernelEntry{"sphere", SceneKind::Field, 0, sphere::kMostSamples,
+                [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
+                  return std::make_unique<sphere::SphereKernel>(sphere::make_config(options));
+                }},
+    KernelEntry{"brute", SceneKind::Triangles, kMostBounces, kAnyCount,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
                   return std::make_unique<BruteKernel>(options);
                 }},
 };
+
+SceneKind kind_of(const scene::Scene& scene) {
+  return scene.field != nullptr ? SceneKind::Field : SceneKind::Triangles;
+}
 
 std::string list_of_names() {
   std::string names;
@@ -41,6 +52,11 @@ Result<void> check(const KernelEntry& entry, const KernelOptions& options) {
   if (auto ok = least(options.ambient_samples, 0, "ambient samples"); !ok) return ok;
   if (auto ok = least(options.environment_samples, 1, "environment samples"); !ok) return ok;
   if (auto ok = least(options.bounces, 0, "bounces"); !ok) return ok;
+  if (options.samples_per_cell > entry.most_samples) {
+    return base::bad_input(base::concat("samples per cell is ", options.samples_per_cell),
+                           std::string(entry.name),
+                           base::concat("this kernel takes at most ", entry.most_samples));
+  }
   if (options.bounces > entry.most_bounces) {
     return base::bad_input(
         base::concat("bounces is ", options.bounces), std::string(entry.name),
@@ -63,6 +79,24 @@ Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelO
   }
   return base::bad_input(base::concat("unknown kernel '", name, "'"), "kernel",
                          "allowed: " + list_of_names());
+}
+
+Result<void> check_scene(std::string_view kernel, const scene::Scene& scene) {
+  const SceneKind kind = kind_of(scene);
+  std::string able;
+  bool fits = true;
+  for (const KernelEntry& entry : kTable) {
+    if (entry.requires_of_scene == kind) {
+      able += (able.empty() ? "" : ", ") + std::string(entry.name);
+    } else if (entry.name == kernel) {
+      fits = false;
+    }
+  }
+  if (fits) return {};
+  return base::bad_input(
+      base::concat("kernel '", kernel, "' does not render ",
+                   kind == SceneKind::Field ? "distance fields" : "scenes of triangles"),
+      scene.name, "kernels that do: " + able);
 }
 
 }  // namespace macula::kernels

@@ -11,15 +11,21 @@
 
 namespace macula::kernels {
 
+enum class SceneKind { Triangles, Field };
+
 struct KernelEntry {
   std::string_view name;
-  std::string_view requires_of_scene;
+  SceneKind requires_of_scene;
   int most_bounces;  ///< KernelOptions::bounces it can do
+  int most_samples;  ///< KernelOptions::samples_per_cell it can do
   std::unique_ptr<Kernel> (*make)(const KernelOptions& options);
 };
 std::span<const KernelEntry> kernel_table();
 /// "auto" is resolved by ScenePlan before this; an unknown name answers with the list of names, an
 /// option out of range (counts below 1, or below 0 for ambient_samples and bounces) with the range.
 Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options);
+
+/// Whether a kernel can render a scene: an error names the kernels that can. Unknown names pass.
+Result<void> check_scene(std::string_view kernel, const scene::Scene& scene);
 
 }  // namespace macula::kernels

@@ -3,15 +3,16 @@
 #pragma once
 
 #include "server/kernels/options.h"
+#include "server/shading/material_table.h"
 #include "shared/units/angle.h"
 
 namespace macula::kernels::sphere {
 
-/// How eye rays find their surface.
+/// How eye rays find their surface. PaperPyramid is for pictures without foveation.
 enum class Tracing {
   Full,          ///< plain sphere tracing from the eye, the whole expression
   FullBest,      ///< from the eye, relaxed steps and pruned expression
-  PaperPyramid,  ///< the paper's three levels with minimum filters; may miss thin things
+  PaperPyramid,  ///< the paper's three levels and minimum filter; may miss thin things
   Pyramid,       ///< cones with a proven free distance, then as FullBest: the hits of Full
 };
 
@@ -39,6 +40,23 @@ enum class Kept { Reprojected, InPlace };
 /// What is done where important and unimportant cells meet.
 enum class Transition { Hard, Gaussian };
 
+/// Whether lights are hidden by what stands between, as the field says. Soft: a light of an angular
+/// radius hides gradually, by how close its ray passes what it misses (an approximation).
+enum class Shadows { None, Hard, Soft };
+
+/// How much of the sky a point sees. None: the sky lights nothing. All: no ambient occlusion. Near:
+/// from the distances found at a few steps along the normal (an approximation). Traced: by
+/// `sky_samples` rays.
+enum class SkyLight { None, All, Near, Traced };
+
+struct LightingConfig {
+  Shadows shadows = Shadows::None;
+  Degrees light_radius{1.0};  ///< Shadows::Soft
+  SkyLight sky = SkyLight::All;
+  int sky_samples = 4;      ///< SkyLight::Traced, >= 1
+  double near_sky_m = 0.5;  ///< SkyLight::Near: what lies farther away does not count, > 0
+};
+
 struct EdgeThresholds {
   float inverse_depth = 0.05F;  ///< second difference of 1/z times z
   float luminance = 0.15F;      ///< step of albedo or of tone-mapped luminance, [0, 1]
@@ -55,16 +73,27 @@ struct MaskConfig {
   EdgeThresholds thresholds;
 };
 
+/// Samples a cell may have.
+inline constexpr int kMostSamples = 16;
+
+/// Samples of a block of the middle level beside `samples` of a cell: a sixteenth of the block's
+/// own at full level, at least one. With 16 a cell, every cell of a block is looked at once.
+constexpr int block_samples_for(int samples) {
+  return samples < 8 ? 1 : samples < 16 ? 2 : 4;
+}
+
 struct Config {
   Mode mode = Mode::Fast;
   Tracing tracing = Tracing::Pyramid;
   Foveation foveation = Foveation::On;
-  int samples_per_cell = 1;  ///< of an important cell; a square number gives k x k
+  int samples_per_cell = 1;  ///< of an important cell, 1..kMostSamples
   MaskConfig mask;
-  int block_samples = 1;  ///< of a 2 x 2 block of the middle level; a square number
+  int block_samples = 1;  ///< of a 2 x 2 block of the middle level, 1..kMostSamples
   Refresh refresh = Refresh::EveryFrame;
   Kept kept = Kept::Reprojected;
   Transition transition = Transition::Hard;
+  LightingConfig lighting;
+  shading::MaterialModel materials = shading::MaterialModel::AsInScene;
 };
 
 }  // namespace macula::kernels::sphere

@@ -1,8 +1,11 @@
 #include "server/kernels/registry.h"
 
 #include <set>
+#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "server/scene/load.h"
 
 namespace macula::kernels {
 namespace {
@@ -37,11 +40,41 @@ TEST(KernelRegistry, OptionsOutOfRangeAreRefusedByName) {
   options.ambient_samples = -1;
   EXPECT_FALSE(make_kernel("ray", options));
   options = {};
+  options.samples_per_cell = 17;
+  EXPECT_TRUE(make_kernel("ray", options));
+  EXPECT_FALSE(make_kernel("sphere", options));
+  options = {};
   options.bounces = 1;
   EXPECT_TRUE(make_kernel("brute", options));
   const auto refused = make_kernel("ray", options);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message().find("bounces"), std::string::npos);
+}
+
+TEST(KernelRegistry, AKernelIsOnlyGivenScenesOfItsKind) {
+  const auto field = scene::load_scene("primitives");
+  const auto triangles = scene::load_scene("cornell");
+  ASSERT_TRUE(field && triangles);
+  EXPECT_TRUE(check_scene("sphere", **field));
+  EXPECT_TRUE(check_scene("ray", **triangles));
+  const auto refused = check_scene("ray", **field);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("sphere"), std::string::npos);
+  EXPECT_FALSE(check_scene("sphere", **triangles));
+}
+
+TEST(KernelRegistry, AutoRendersADistanceFieldWithSphereAndBuildsNoTriangleDevice) {
+  const auto field = scene::load_scene("columns");
+  ASSERT_TRUE(field);
+  std::vector<std::string_view> registered;
+  for (const KernelEntry& entry : kernel_table()) registered.push_back(entry.name);
+  const scene::SceneFacts facts = scene::facts_of(**field);
+  EXPECT_EQ(scene::choose_kernel(facts, scene::IndirectLight::NotWanted, registered).kernel,
+            "sphere");
+  EXPECT_FALSE(scene::ScenePlan(facts).has(scene::Step::TriangleBvh));
+  const auto frame = SceneFrame::create(*field);
+  ASSERT_TRUE(frame);
+  EXPECT_FALSE((*frame)->triangles().has_device());
 }
 
 }  // namespace
