@@ -16,6 +16,7 @@
 #include "tests/bench/compare.h"
 #include "tests/bench/contact_sheet.h"
 #include "tests/bench/motion.h"
+#include "tests/bench/sphere.h"
 #include "tests/bench/still.h"
 
 namespace macula::bench {
@@ -229,11 +230,78 @@ Run declare_motion(CLI::App& command) {
   return [options]() -> Result<void> { return run_motion(*options); };
 }
 
+void add_sphere_axes(CLI::App& command, SphereOptions& options) {
+  command.add_option("--scenes", options.scenes, "Built-in distance fields or files of them")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (temple,columns,primitives)");
+  command.add_option("--methods", options.methods, "What to measure")
+      ->delimiter(',')
+      ->option_text("full,full_best,ipr_paper,ipr,fipr_paper,fipr (all)");
+  command.add_option("--fovea", options.fovea_deg, "Radii of the fovea, degrees")
+      ->delimiter(',')
+      ->check(CLI::Range(0.5, 60.0))
+      ->option_text("DEG,... (2.5,5,7.5,10,12.5,15)");
+  command.add_option("--ssaa", options.samples, "Samples a pixel")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 16))
+      ->option_text("N,... (1,2,4,8,16)");
+  command.add_option("--refresh", options.refresh, "Frames between refreshes outside the fovea")
+      ->delimiter(',')
+      ->check(CLI::IsMember({1, 2, 4}))
+      ->option_text("1,2,4 (all)");
+  command.add_option("--edges", options.edges, "What counts as an edge")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"depth", "albedo", "shaded"}))
+      ->option_text("depth,albedo,shaded (depth)");
+  command.add_option("--views", options.views, "Eyes")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 2))
+      ->option_text("1,2 (1)");
+}
+
+Run declare_sphere(CLI::App& command) {
+  auto options = std::make_shared<SphereOptions>();
+  auto size = std::make_shared<std::string>();
+  auto quick = std::make_shared<bool>(false);
+  add_sphere_axes(command, *options);
+  command.add_option("--size", *size, "Pixels an eye (2468x2740)")->option_text("WxH");
+  command.add_option("--frames", options->frames, "Moving frames of a row")
+      ->check(CLI::Range(1, 10000))
+      ->option_text("N (16)");
+  command.add_option("--key-frames", options->key_frames, "Of them compared with method full")
+      ->check(CLI::Range(1, 100))
+      ->option_text("N (2)");
+  command.add_option("--threads", options->threads, "0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N (0)");
+  command.add_option("--pictures", options->pictures, "Pictures and steps of every row")
+      ->option_text("FOLDER");
+  command.add_option("--json", options->json, "Report; rows it holds already are kept")
+      ->option_text("FILE.json");
+  command.add_flag("--quick", *quick,
+                   "1234x1370, three foveae, 1 and 16 samples, refresh 1 and 1/4");
+  return [options, size, quick, &command]() -> Result<void> {
+    if (*quick) {
+      const SphereOptions given = *options;
+      make_quick(*options);
+      if (command.count("--fovea") > 0) options->fovea_deg = given.fovea_deg;
+      if (command.count("--ssaa") > 0) options->samples = given.samples;
+      if (command.count("--refresh") > 0) options->refresh = given.refresh;
+      if (command.count("--key-frames") > 0) options->key_frames = given.key_frames;
+    }
+    if (!size->empty()) {
+      const auto parsed = parse_size("--size", *size);
+      if (!parsed) return base::forward(parsed);
+      options->width_px = parsed->width_px, options->height_px = parsed->height_px;
+    }
+    return run_sphere(*options);
+  };
+}
+
 constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
-    {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
 };
 
 int complain(const Error& error) {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -53,6 +54,14 @@ Json json_of(const Report& report) {
               {"rows", std::move(rows)}};
 }
 
+Value value_of(const Json& json) {
+  if (json.is_boolean()) return json.get<bool>();
+  if (json.is_number_integer()) return json.get<std::int64_t>();
+  if (json.is_number()) return json.get<double>();
+  if (json.is_string()) return json.get<std::string>();
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 std::string text_of(const Value& value) {
   if (const auto* text = std::get_if<std::string>(&value)) return *text;
   if (const auto* yes = std::get_if<bool>(&value)) return *yes ? "yes" : "no";
@@ -98,6 +107,27 @@ Result<void> write_json(const std::string& path, const Report& report) {
                            "give a path in a folder that exists and has room");
   }
   return {};
+}
+
+Result<std::vector<Fields>> read_rows(const std::string& path, const Report& like) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return std::vector<Fields>{};
+  const Json known = Json::parse(in, nullptr, false);
+  if (!known.is_object() || !known.contains("rows") || !known["rows"].is_array()) {
+    return base::bad_input("is no report", path, "delete it or name another file");
+  }
+  if (known.value("experiment", "") != like.experiment ||
+      known.value("config", Json::object()) != json_of(like.config)) {
+    return base::bad_input("was measured with other settings", path,
+                           "delete it or name another file");
+  }
+  std::vector<Fields> rows;
+  for (const Json& row : known["rows"]) {
+    Fields fields;
+    for (const auto& [key, value] : row.items()) fields.emplace_back(key, value_of(value));
+    rows.push_back(std::move(fields));
+  }
+  return rows;
 }
 
 std::string table_text(const std::vector<Fields>& rows) {

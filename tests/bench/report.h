@@ -26,6 +26,9 @@ struct Report {
 
 /// Adds the machine (cpu, cores, isa) and the commit the program was configured at. Overwrites.
 Result<void> write_json(const std::string& path, const Report& report);
+/// The rows of an earlier report with the same experiment and config, so that a run can go on where
+/// it ended; none where there is no such file. Another experiment or config is an error.
+Result<std::vector<Fields>> read_rows(const std::string& path, const Report& like);
 /// The rows under one header line, columns aligned.
 std::string table_text(const std::vector<Fields>& rows);
 

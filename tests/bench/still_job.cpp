@@ -100,9 +100,15 @@ unsigned plane_flag(StillPlane plane) {
     case StillPlane::Variance:
       return kernels::kVariance;
     case StillPlane::Steps:
-      return 0;  // refused by prepare_still()
+      return kernels::kSteps;
   }
   return 0;
+}
+
+std::string choose_still_kernel(const StillOptions& options, const scene::Scene& scene) {
+  if (options.kernel != "auto") return options.kernel;
+  if (scene.field != nullptr) return "sphere";
+  return options.bounces > 0 ? "brute" : "ray";
 }
 
 /// Adds one pass of `share` of all samples to the mean; other planes stay those of the first pass.
@@ -130,9 +136,6 @@ kernels::ViewBuffers start_from(const kernels::ViewBuffers& pass, float share) {
 Result<StillJob> prepare_still(const StillOptions& options) {
   const auto rate = foveation::find_rate_model(options.rate_model);
   if (!rate) return forward(rate);
-  if (std::ranges::count(options.planes, StillPlane::Steps) > 0) {
-    return bad_input("'steps' is made by kernels that march distance fields only", "--aov");
-  }
   StillJob job;
   Stopwatch watch;
   const auto loaded = scene::load_scene(options.scene);
@@ -141,6 +144,11 @@ Result<StillJob> prepare_still(const StillOptions& options) {
   const auto shot = choose_shot(options, **loaded, scene::pose_at(**loaded, time));
   if (!shot) return forward(shot);
   job.load_cpu_ms = watch.lap_ms();
+  job.kernel = choose_still_kernel(options, **loaded);
+  if (auto ok = kernels::check_scene(job.kernel, **loaded); !ok) return forward(ok);
+  if ((*loaded)->field == nullptr && std::ranges::count(options.planes, StillPlane::Steps) > 0) {
+    return bad_input("'steps' is made by kernels that march distance fields only", "--aov");
+  }
   auto frame = kernels::SceneFrame::create(*loaded, time);
   if (!frame) return forward(frame);
   job.build_cpu_ms = watch.lap_ms();
@@ -155,7 +163,6 @@ Result<StillJob> prepare_still(const StillOptions& options) {
   job.view.grid = options.grid == StillGrid::Uniform
                       ? foveation::make_uniform_grid(job.display)
                       : foveation::make_foveal_grid(job.display, job.view.gaze, *rate);
-  job.kernel = options.kernel != "auto" ? options.kernel : (options.bounces > 0 ? "brute" : "ray");
   for (const StillPlane plane : options.planes) job.wanted |= plane_flag(plane);
   return job;
 }
@@ -191,11 +198,7 @@ Result<RenderedStill> render_still(const StillJob& job, const StillOptions& opti
     } else {
       merge(rendered.planes, buffers.views.front(), share);
     }
-    rendered.report.primary_rays += report.primary_rays;
-    rendered.report.shadow_rays += report.shadow_rays;
-    rendered.report.non_finite_samples += report.non_finite_samples;
-    rendered.report.trace_ms += report.trace_ms;
-    rendered.report.shade_ms += report.shade_ms;
+    rendered.report += report;
     done += settings.samples_per_cell;
     progress.advance(settings.samples_per_cell);
   }

@@ -78,9 +78,8 @@ StillLayer make_layer(StillPlane plane, const kernels::ViewBuffers& planes, cons
     case StillPlane::Variance:
       return scalar_layer(plane, "variance", "Y", on_display(planes.variance, job));
     case StillPlane::Steps:
-      break;
+      return scalar_layer(plane, "steps", "Y", on_display(planes.steps, job));
   }
-  MACULA_CHECK(false, "prepare_still refuses planes that no kernel makes");
   return {};
 }
 
