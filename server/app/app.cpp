@@ -42,8 +42,9 @@ scene::KernelChoice resolve_kernel(const Options& options, const scene::SceneFac
 
 PlannedScene plan_scene(const Options& options, SceneTable scene) {
   const scene::SceneFacts facts = scene::facts_of(*scene);
-  const scene::Wishes wishes{.ambient_samples = options.ambient_samples};
-  return {std::move(scene), facts, scene::ScenePlan(facts, wishes), resolve_kernel(options, facts)};
+  scene::KernelChoice kernel = resolve_kernel(options, facts);
+  const scene::Wishes wishes{.ambient_samples = options.ambient_samples, .kernel = kernel.kernel};
+  return {std::move(scene), facts, scene::ScenePlan(facts, wishes), std::move(kernel)};
 }
 
 void print_plan(const PlannedScene& planned) {

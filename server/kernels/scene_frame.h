@@ -6,6 +6,7 @@
 
 #include "server/lights/environment_light.h"
 #include "server/lights/light_list.h"
+#include "server/lights/placed_lights.h"
 #include "server/scene/animation.h"
 #include "server/scene/plan.h"
 #include "server/shading/material_table.h"
@@ -41,6 +42,8 @@ class SceneFrame {
   Rgb beyond(const Vec3& direction) const {
     return scene().environment ? environment().radiance(direction) : scene().settings.ambient;
   }
+  /// The same lights with a tree over them; none where the plan leaves the tree out.
+  const lights::PlacedLights& placed_lights() const { return placed_lights_; }
   /// Where everything is at this moment.
   const scene::ScenePose& pose() const { return pose_; }
   SceneTime time() const { return pose_.time; }
@@ -64,6 +67,7 @@ class SceneFrame {
   std::shared_ptr<visibility::TriangleScene> own_triangles_;  ///< the same where they move
   shading::SurfaceTable surfaces_;
   lights::LightList lights_;
+  lights::PlacedLights placed_lights_;
 };
 
 }  // namespace macula::kernels

@@ -117,6 +117,9 @@ Result<void> SceneTimeline::build() {
   first->triangles_ = std::move(triangles);
   // The copied table still looks at the shapes of the pose it was made of.
   first->surfaces_.move(scene(), scene::moving_parts(scene()).instances, first->pose_);
+  if (still_->plan.has(Step::LightTree)) {
+    first->placed_lights_ = lights::PlacedLights(first->lights_);
+  }
   if (moves_) {
     pattern_ = std::move(first);
   } else {
@@ -129,6 +132,7 @@ Result<void> SceneTimeline::build() {
 Result<SceneTimeline::Frame> SceneTimeline::new_frame() {
   Frame frame(new SceneFrame(still_, pattern_->pose_, pattern_->surfaces_, pattern_->lights_));
   frame->surfaces_.move(scene(), scene::moving_parts(scene()).instances, frame->pose_);
+  frame->placed_lights_ = pattern_->placed_lights_;
   if (moving_triangles_ == nullptr) {
     frame->triangles_ = pattern_->triangles_;
   } else {
@@ -156,6 +160,9 @@ Result<void> SceneTimeline::move(SceneFrame& frame, SceneTime time) {
   scene::repose(scene(), moving_, time, frame.pose_);
   frame.surfaces_.move(scene(), moving_.instances, frame.pose_);
   frame.lights_.move(scene(), relighting_, frame.pose_, still_->materials);
+  if (still_->plan.has(Step::LightTree) && !relighting_.none()) {
+    frame.placed_lights_ = lights::PlacedLights(frame.lights_);
+  }
   if (frame.own_triangles_ == nullptr) return {};
   return moving_triangles_->move(*frame.own_triangles_, frame.pose_);
 }

@@ -98,6 +98,14 @@ Verdict environment(const SceneFacts& facts, const Wishes& wishes) {
   return {true, base::concat(wishes.environment_samples, " samples a primary sample")};
 }
 
+Verdict light_tree(const SceneFacts& facts, const Wishes& wishes) {
+  if (facts.lights + facts.emissive_triangles == 0) return {false, "no lights"};
+  if (!wishes.kernel.empty() && wishes.kernel != "lightcuts") {
+    return {false, base::concat("kernel '", wishes.kernel, "' does not ask it")};
+  }
+  return {true, light_count(facts)};
+}
+
 struct StepRule {
   Step step;
   std::string_view name;
@@ -133,6 +141,7 @@ constexpr std::array kSteps{
                return if_any(facts.emissive_triangles, "emissive triangles",
                              "no emissive triangles");
              }},
+    StepRule{Step::LightTree, "light tree", light_tree},
     StepRule{Step::Ambient, "ambient occlusion", ambient},
     StepRule{Step::Environment, "environment table and sampling", environment},
     StepRule{Step::DistanceField, "distance-field tracer",

@@ -49,6 +49,7 @@ enum class Step {
   SpecularLobe,
   PunctualLights,
   AreaLights,
+  LightTree,
   Ambient,
   Environment,
   DistanceField,
@@ -72,6 +73,8 @@ struct PlannedStep {
 struct Wishes {
   int ambient_samples = 4;      ///< per primary sample; 0: no ambient term
   int environment_samples = 4;  ///< per primary sample
+  /// Which kernel will run; empty: any may.
+  std::string_view kernel = {};
 };
 
 class ScenePlan {

@@ -151,10 +151,10 @@ class PlannedScene : public testing::TestWithParam<Shown> {};
 
 TEST_P(PlannedScene, AStepThatIsLeftOutChangesNothingWhenForced) {
   const ScenePointer scene = GetParam().make();
-  const ScenePlan plan(scene::facts_of(*scene));
-  std::vector<const char*> kernels{"ray"};
+  std::vector<const char*> kernels{"ray", "lightcuts"};
   if (scene->triangle_count() < 10'000) kernels.push_back("brute");
   for (const char* kernel : kernels) {
+    const ScenePlan plan(scene::facts_of(*scene), {.kernel = kernel});
     const auto planned = picture(scene, plan, kernel);
     for (const scene::PlannedStep& step : plan.steps()) {
       if (step.use != StepUse::LeftOut) continue;
@@ -169,8 +169,8 @@ INSTANTIATE_TEST_SUITE_P(Each, PlannedScene, testing::ValuesIn(kScenes),
 TEST(PlannedStep, TakenAwayChangesAPictureThatNeedsIt) {
   // Must-fail twin: were the plan not what drives the frame, these would be equal too.
   const ScenePointer scene = shared(everything());
-  const ScenePlan plan(scene::facts_of(*scene));
-  for (const char* kernel : {"ray", "brute"}) {
+  for (const char* kernel : {"ray", "lightcuts", "brute"}) {
+    const ScenePlan plan(scene::facts_of(*scene), {.kernel = kernel});
     const auto planned = picture(scene, plan, kernel);
     int used = 0;
     for (const scene::PlannedStep& step : plan.steps()) {
@@ -179,7 +179,7 @@ TEST(PlannedStep, TakenAwayChangesAPictureThatNeedsIt) {
       const auto without = picture(scene, plan.without(step.step), kernel);
       EXPECT_GT(largest_difference(planned, without), 1e-3) << kernel << ": " << step.name;
     }
-    EXPECT_EQ(used, 8);
+    EXPECT_EQ(used, kernel == std::string("lightcuts") ? 9 : 8);
   }
 }
 
@@ -189,6 +189,9 @@ TEST(PlannedStep, LeftOutHasNoStructureAndForcedHasOne) {
   const auto frame = *SceneFrame::create(plain, plan);
   EXPECT_EQ(frame->materials().texture_count(), 0U);
   EXPECT_TRUE(frame->lights().emissive().empty());
+  EXPECT_EQ(frame->placed_lights().size(), 1U);
+  const ScenePlan for_ray(scene::facts_of(*plain), {.kernel = "ray"});
+  EXPECT_EQ((*SceneFrame::create(plain, for_ray))->placed_lights().size(), 0U);
   EXPECT_GT((*SceneFrame::create(plain, plan.forcing(Step::Textures)))->materials().texture_count(),
             0U);
   EXPECT_FALSE(

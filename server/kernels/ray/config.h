@@ -9,14 +9,20 @@ namespace macula::kernels::ray {
 /// Where the samples of a cell lie: at fixed points, or at random ones within equal shares of it.
 enum class Placement { Fixed, Jittered };
 
+/// Every: all punctual lights, and emissive triangles drawn by power. ByCut: the lights of a cut of
+/// the light tree (kernel `lightcuts`).
+enum class LightChoice { Every, ByCut };
+
 struct Config {
   Mode mode = Mode::Fast;
   int samples_per_cell = 1;  ///< primary rays a cell, >= 1
   Placement placement = Placement::Jittered;
-  int area_light_samples = 8;   ///< shadow rays to emissive triangles per primary ray, >= 1
+  /// Shadow rays per primary ray: to emissive triangles, or to all lights by cut; >= 1.
+  int area_light_samples = 8;
   int ambient_samples = 4;      ///< occlusion rays per primary ray; 0: no ambient term
   int environment_samples = 4;  ///< shadow rays to the environment per primary ray, >= 1
   shading::MaterialModel materials = shading::MaterialModel::AsInScene;
+  LightChoice lights = LightChoice::Every;
 };
 
 inline Config make_config(const KernelOptions& options) {
@@ -27,7 +33,8 @@ inline Config make_config(const KernelOptions& options) {
       options.area_light_samples,
       options.ambient_samples,
       options.environment_samples,
-      options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene};
+      options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene,
+      LightChoice::Every};
 }
 
 }  // namespace macula::kernels::ray

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "server/lights/cut_sampler.h"
 #include "server/sampling/mappings.h"
 #include "server/sampling/sobol.h"
 #include "shared/base/check.h"
@@ -39,6 +40,7 @@ class Pass {
  private:
   void add_punctual(const scene::Light& light);
   void add_area();
+  void add_cut();
   void add_ambient();
   void add_environment();
   void aim_at_environment(const sampling::Vec2Batch& strategy);
@@ -66,8 +68,11 @@ class Pass {
 
 /// Only what the plan holds; a light list without the step is empty.
 void Pass::run() {
-  for (const scene::Light& light : scene_.lights().punctual()) add_punctual(light);
-  if (!scene_.lights().emissive().empty()) add_area();
+  const bool by_cut = config_.lights == LightChoice::ByCut;
+  const auto lights = by_cut ? scene_.placed_lights().apart() : scene_.lights().punctual();
+  for (const scene::Light& light : lights) add_punctual(light);
+  if (by_cut && scene_.placed_lights().size() > 0) add_cut();
+  if (!by_cut && !scene_.lights().emissive().empty()) add_area();
   if (config_.ambient_samples > 0 && scene_.plan().has(scene::Step::Ambient)) add_ambient();
   if (scene_.plan().has(scene::Step::Environment)) add_environment();
 }
@@ -100,6 +105,26 @@ void Pass::add_area() {
     }
     aim_at_lights();
     resolve(coherence);
+  }
+}
+
+/// One light of every node of each point's cut; rays of one round go to about the same places.
+void Pass::add_cut() {
+  const lights::PlacedLights& lights = scene_.placed_lights();
+  const auto most = static_cast<std::size_t>(config_.area_light_samples);
+  lights::CutSampler sampler(lights.tree(), most);
+  sampler.cut(points_.position, points_.reflectors.shading, n_);
+  lights::LightDraws draws{};
+  scramble(kAreaDimension);
+  for (std::size_t round = 0; round < sampler.rounds(); ++round) {
+    draw(static_cast<int>(round), config_.area_light_samples);
+    sampler.draw(round, points_.keys, points_.sample, draws);
+    lights.arriving(draws, u_, points_.position, n_, scene_.lights(), scene_.surfaces(),
+                    scene_.materials(), light_);
+    shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
+                     contribution_);
+    aim_at_lights();
+    resolve(Coherence::Incoherent);
   }
 }
 

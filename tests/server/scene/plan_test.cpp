@@ -76,6 +76,9 @@ TEST(ScenePlan, AStepIsUsedExactlyWhenTheSceneNeedsIt) {
   EXPECT_FALSE(has(Step::AreaLights));
   facts.emissive_triangles = 2;
   EXPECT_TRUE(has(Step::AreaLights));
+  EXPECT_TRUE(has(Step::LightTree));
+  EXPECT_TRUE(ScenePlan(facts, {.kernel = "lightcuts"}).has(Step::LightTree));
+  EXPECT_FALSE(ScenePlan(facts, {.kernel = "ray"}).has(Step::LightTree));
   EXPECT_FALSE(has(Step::Ambient));
   facts.has_ambient = true;
   EXPECT_TRUE(has(Step::Ambient));

@@ -1,0 +1,63 @@
+#include "server/lights/cut_sampler.h"
+
+#include <algorithm>
+
+#include "shared/base/check.h"
+
+namespace macula::lights {
+namespace {
+
+/// Distinct from the dimensions that place primary samples and from those of the other terms.
+constexpr std::uint32_t kLeafDimension = 0xC000'0000U;
+
+std::uint32_t reverse_bits(std::uint32_t x) {
+  x = ((x >> 1) & 0x55555555U) | ((x & 0x55555555U) << 1);
+  x = ((x >> 2) & 0x33333333U) | ((x & 0x33333333U) << 2);
+  x = ((x >> 4) & 0x0F0F0F0FU) | ((x & 0x0F0F0F0FU) << 4);
+  return __builtin_bswap32(x);
+}
+
+/// In [0, 1) with 53 bits, since a walk through a million lights uses up twenty: van der Corput's
+/// sequence, its digits flipped at random.
+double stratified(sampling::SampleKey key, std::uint32_t dimension, std::uint32_t sample) {
+  const std::uint64_t flips = math::hash_combine(key.value, dimension);
+  const std::uint64_t bits = (std::uint64_t{reverse_bits(sample)} << 32) ^ flips;
+  return static_cast<double>(bits >> 11) * 0x1p-53;
+}
+
+}  // namespace
+
+void CutSampler::cut(const sampling::Vec3Batch& points, const sampling::Vec3Batch& normals,
+                     std::size_t count) {
+  MACULA_DCHECK(count <= sampling::kBatch);
+  count_ = count;
+  rounds_ = 0;
+  nodes_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    first_[i] = static_cast<std::uint32_t>(nodes_.size());
+    receivers_[i] = {points[i], normals[i]};
+    LightWalk(tree_, receivers_[i], rule_).cut(most_nodes_, cut_);
+    nodes_.insert(nodes_.end(), cut_.nodes.begin(), cut_.nodes.end());
+    rounds_ = std::max(rounds_, cut_.nodes.size());
+  }
+  first_[count] = static_cast<std::uint32_t>(nodes_.size());
+}
+
+void CutSampler::draw(std::size_t round, std::span<const sampling::SampleKey> keys,
+                      std::uint32_t sample, LightDraws& out) const {
+  MACULA_DCHECK(keys.size() >= count_);
+  const auto dimension = kLeafDimension + static_cast<std::uint32_t>(round);
+  for (std::size_t i = 0; i < count_; ++i) {
+    out.light.at[i] = 0;
+    out.inverse_probability.at[i] = 0.0F;
+    const std::size_t node = first_[i] + round;
+    if (node >= first_[i + 1]) continue;
+    const LeafChoice choice = LightWalk(tree_, receivers_[i], rule_)
+                                  .choose(nodes_[node], stratified(keys[i], dimension, sample));
+    if (choice.leaf == 0) continue;
+    out.light.at[i] = *tree_.light_at(choice.leaf);
+    out.inverse_probability.at[i] = static_cast<float>(1.0 / choice.probability);
+  }
+}
+
+}  // namespace macula::lights

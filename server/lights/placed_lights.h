@@ -1,0 +1,61 @@
+// PlacedLights: the lights of a scene that have a place, punctual ones and emissive triangles as
+// one list, with the tree over them and the light that arrives from any of them. World space,
+// meters, linear Rec.709. Immutable; safe from any thread; holds copies. Visibility is the
+// caller's.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/lights/light_list.h"
+#include "server/lights/light_tree.h"
+#include "server/sampling/batch.h"
+
+namespace macula::lights {
+
+/// A light a receiver.
+struct LightDraws {
+  sampling::IndexBatch light;  ///< index into the list; any where nothing was drawn
+  /// Of this light; 0: none was drawn.
+  sampling::FloatBatch inverse_probability;
+};
+
+/// Sixteen floats a light, as vectors gather them: position, edge1, edge2, normal, emission, area.
+/// Area 0 is a punctual light: cosines of its outer and inner cone in place of edge1, the way it
+/// shines as normal, intensity as emission.
+struct PlacedLightTable {
+  static constexpr std::size_t kRowFloats = 16;
+  std::vector<float> rows;
+  std::vector<std::uint32_t> triangle;  ///< index into LightList::emissive() + 1; 0: punctual
+};
+
+class PlacedLights {
+ public:
+  /// None.
+  PlacedLights() = default;
+  /// Black lights are left out.
+  explicit PlacedLights(const LightList& list);
+
+  std::size_t size() const { return bounds_.size(); }
+  const LightTree& tree() const { return tree_; }
+  /// Punctual lights that are not in the list: directional ones, which are nowhere, and those whose
+  /// intensity or place cannot be ordered (not finite, negative). To be asked one by one.
+  std::span<const scene::Light> apart() const { return apart_; }
+
+  /// Light arriving at the first `count` points from their drawn lights, at u on a triangle: as
+  /// LightList::arriving_area, the irradiance divided by the draw's probability. `out.light` is an
+  /// index into this list, `out.normal` 0 for a light that is a point. `list` is what this was made
+  /// from. Only where size() > 0.
+  void arriving(const LightDraws& draws, const sampling::Vec2Batch& u,
+                const sampling::Vec3Batch& points, std::size_t count, const LightList& list,
+                const shading::SurfaceTable& surfaces, const shading::MaterialTable& materials,
+                AreaArrivalBatch& out) const;
+
+ private:
+  std::vector<LightBounds> bounds_;
+  PlacedLightTable table_;
+  std::vector<scene::Light> apart_;
+  LightTree tree_;
+};
+
+}  // namespace macula::lights
