@@ -58,59 +58,62 @@ HWY_INLINE HWY_ATTR FloatVec least_magnitude(const Range& range) {
   return hn::Max(hn::Sub(hn::Abs(range.centre), range.reach), hn::Zero(Floats()));
 }
 
+/// Numerator and denominator of a quotient to come: divisions are what a visit waits for.
+struct Ratio {
+  FloatVec over, under;
+};
+
 /// Largest cosine at the receiver towards any point of the box. It rises with the height over the
 /// receiver's plane and falls with the distances along it, so it is no larger than at the highest
 /// height and the least distances, wherever in the box each of them lies.
-HWY_INLINE HWY_ATTR FloatVec cosine_bound(const Eye& eye, const Box& box) {
+HWY_INLINE HWY_ATTR Ratio cosine_bound(const Eye& eye, const Box& box) {
   const Floats d;
-  const auto zero = hn::Zero(d);
   const Range height = range_of(eye.normal, box);
-  // Rounding of a form of three terms: a lower bound of 0 that is not one would lose light.
-  const auto slack = hn::Mul(hn::Set(d, 0x1p-21F),
-                             hn::Add(hn::Abs(box.cx), hn::Add(hn::Abs(box.cy), hn::Abs(box.cz))));
-  const auto top = hn::Add(hn::Add(height.centre, height.reach), slack);
+  // Rounding of a form of three terms: a bound of 0 that is not one would lose light.
+  const auto magnitude = hn::Add(hn::Abs(box.cx), hn::Add(hn::Abs(box.cy), hn::Abs(box.cz)));
+  const auto slack = hn::Mul(hn::Set(d, 0x1p-21F), magnitude);
+  const auto top = hn::Max(hn::Add(hn::Add(height.centre, height.reach), slack), hn::Zero(d));
   const auto t = least_magnitude(range_of(eye.tangent, box));
   const auto b = least_magnitude(range_of(eye.bitangent, box));
-  const auto length2 = hn::MulAdd(top, top, hn::MulAdd(t, t, hn::Mul(b, b)));
-  return hn::IfThenElseZero(hn::Gt(top, zero), hn::Div(top, hn::Sqrt(length2)));
+  return {top, hn::Sqrt(hn::MulAdd(top, top, hn::MulAdd(t, t, hn::Mul(b, b))))};
 }
 
 /// Largest cosine at the lights, past their cones. The receiver lies theta from the cone's axis as
-/// seen from the centre; from elsewhere in the box's sphere by up to asin(radius / distance) less.
-HWY_INLINE HWY_ATTR FloatVec emission_bound(const NodeBlock& block, std::size_t lane,
-                                            const Box& box) {
+/// seen from the centre, at `distance`; from elsewhere in the box's sphere by up to u =
+/// asin(radius / distance) less. All cosines and sines below are times the distance.
+HWY_INLINE HWY_ATTR Ratio emission_bound(const NodeBlock& block, std::size_t lane, const Box& box) {
   const Floats d;
-  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F), two = hn::Set(d, 2.0F);
   const auto distance2 =
       hn::MulAdd(box.cx, box.cx, hn::MulAdd(box.cy, box.cy, hn::Mul(box.cz, box.cz)));
   const auto radius2 =
       hn::MulAdd(box.hx, box.hx, hn::MulAdd(box.hy, box.hy, hn::Mul(box.hz, box.hz)));
   const auto inside = hn::Ge(radius2, distance2);
-  const auto sin2_u = hn::Min(hn::Div(radius2, distance2), one);
-  const auto sin_u = hn::Sqrt(sin2_u), cos_u = hn::Sqrt(hn::Sub(one, sin2_u));
-  const auto along = hn::MulAdd(hn::Load(d, block.axis_x + lane), box.cx,
-                                hn::MulAdd(hn::Load(d, block.axis_y + lane), box.cy,
-                                           hn::Mul(hn::Load(d, block.axis_z + lane), box.cz)));
-  const auto cos_theta =
-      hn::Max(hn::Min(hn::Neg(hn::Div(along, hn::Sqrt(distance2))), one), hn::Neg(one));
-  const auto sin_theta = hn::Sqrt(hn::NegMulAdd(cos_theta, cos_theta, one));
+  const auto sin_u = hn::Sqrt(radius2);
+  const auto cos_u = hn::Sqrt(hn::Max(hn::Sub(distance2, radius2), zero));
+  const auto away = hn::MulAdd(hn::Load(d, block.axis_x + lane), box.cx,
+                               hn::MulAdd(hn::Load(d, block.axis_y + lane), box.cy,
+                                          hn::Mul(hn::Load(d, block.axis_z + lane), box.cz)));
+  const auto cos_theta = hn::Neg(away);
+  const auto sin_theta = hn::Sqrt(hn::Max(hn::NegMulAdd(away, away, distance2), zero));
   const auto half = hn::Load(d, block.half_sine + lane);
-  const auto two = hn::Set(d, 2.0F);
-  const auto cos_o = hn::NegMulAdd(two, hn::Mul(half, half), one);
-  const auto sin_o =
-      hn::Mul(hn::Mul(two, half), hn::Sqrt(hn::Max(hn::NegMulAdd(half, half, one), zero)));
-  // The cone widened by that angle; from a straight line on it holds every direction.
+  const auto half2 = hn::Mul(half, half);
+  const auto cos_o = hn::NegMulAdd(two, half2, one);
+  const auto sin_o = hn::Mul(hn::Mul(two, half), hn::Sqrt(hn::Max(hn::Sub(one, half2), zero)));
+  // The cone widened by u; from a straight line on it holds every direction.
   const auto cos_w = hn::MulSub(cos_o, cos_u, hn::Mul(sin_o, sin_u));
   const auto sin_w = hn::MulAdd(sin_o, cos_u, hn::Mul(cos_o, sin_u));
-  const auto wide = hn::And(hn::Le(sin_w, hn::Set(d, 1e-3F)), hn::Lt(cos_w, zero));
-  const auto full = hn::Or(hn::Or(inside, wide), hn::Ge(cos_theta, cos_w));
-  const auto past = hn::MulAdd(cos_theta, cos_w, hn::Mul(sin_theta, sin_w));
   // Sines of angles near 0 and pi are good to half a milliradian. A bound of 0 that is not one
   // would be bias, a little too much is only noise: a milliradian is given away.
-  const auto slack = hn::Set(d, 1e-3F);
-  const auto bound = hn::Min(hn::Add(past, slack), one);
-  const auto ends = hn::Load(d, block.cos_emission + lane);
-  return hn::IfThenElse(full, one, hn::IfThenElseZero(hn::Gt(bound, ends), bound));
+  const auto milliradian = hn::Set(d, 1e-3F);
+  const auto wide =
+      hn::And(hn::Lt(cos_w, zero), hn::Le(sin_w, hn::Mul(milliradian, hn::Neg(cos_w))));
+  const auto full = hn::Or(hn::Or(inside, wide), hn::Ge(cos_theta, cos_w));
+  const auto past = hn::MulAdd(cos_theta, cos_w, hn::Mul(sin_theta, sin_w));
+  const auto bound = hn::MulAdd(milliradian, distance2, past);
+  const auto ends = hn::Mul(hn::Load(d, block.cos_emission + lane), distance2);
+  const auto alive = hn::IfThenElseZero(hn::Gt(bound, ends), hn::Min(bound, distance2));
+  return {hn::IfThenElse(full, one, alive), hn::IfThenElse(full, one, distance2)};
 }
 
 /// A vector for every part of a block.
@@ -150,10 +153,15 @@ HWY_INLINE HWY_ATTR void look(const LightTree& tree, const Eye& eye, const NodeB
     const std::size_t lane = k * hn::Lanes(d);
     const Box box = box_of(eye, block, lane);
     const auto intensity = hn::Load(d, block.intensity + lane);
-    auto weight = hn::Mul(intensity, cosine_bound(eye, box));
-    if (oriented) weight = hn::Mul(weight, emission_bound(block, lane, box));
+    Ratio bound = cosine_bound(eye, box);
+    if (oriented) {
+      const Ratio emitted = emission_bound(block, lane, box);
+      bound = {hn::Mul(bound.over, emitted.over), hn::Mul(bound.under, emitted.under)};
+    }
     // Nodes without a light hold what was there before, be it not a number.
-    views.weight[k] = hn::IfThenElseZero(hn::Gt(intensity, hn::Zero(d)), weight);
+    const auto alive = hn::And(hn::Gt(intensity, hn::Zero(d)), hn::Gt(bound.over, hn::Zero(d)));
+    views.weight[k] =
+        hn::IfThenElseZero(alive, hn::Mul(intensity, hn::Div(bound.over, bound.under)));
     views.near2[k] = near2(box);
     views.far2[k] = far2(box);
   }
@@ -165,14 +173,12 @@ struct alignas(64) Chances {
   float total = 0.0F;
 };
 
-/// Squared distances below this, 1e-14 m, are all alike: at distance 0 a node outweighs every node
-/// that is not, and among those the weight decides.
-constexpr float kLeastDistance2 = 1e-28F;
+/// Squared distances below this, a nanometer's, are all alike: at distance 0 a node outweighs every
+/// node that is not, and among those the weight decides. The product of two is still a number.
+constexpr float kLeastDistance2 = 1e-18F;
 
-HWY_INLINE HWY_ATTR FloatVec over_square(FloatVec weight, FloatVec distance2) {
-  const Floats d;
-  return hn::IfThenElseZero(hn::Gt(weight, hn::Zero(d)),
-                            hn::Div(weight, hn::Max(distance2, hn::Set(d, kLeastDistance2))));
+HWY_INLINE HWY_ATTR FloatVec at_least(FloatVec distance2) {
+  return hn::Max(distance2, hn::Set(Floats(), kLeastDistance2));
 }
 HWY_INLINE HWY_ATTR float total_of(const FloatVec (&parts)[kParts]) {
   const Floats d;
@@ -185,8 +191,10 @@ HWY_INLINE HWY_ATTR void near_and_far(const Views& views, Chances& out) {
   const Floats d;
   FloatVec near[kParts], far[kParts];
   for (std::size_t k = 0; k < kParts; ++k) {
-    near[k] = over_square(views.weight[k], views.near2[k]);
-    far[k] = over_square(views.weight[k], views.far2[k]);
+    // weight / near2 and weight / far2 by one division.
+    const auto n = at_least(views.near2[k]), f = at_least(views.far2[k]);
+    const auto both = hn::Div(views.weight[k], hn::Mul(n, f));
+    near[k] = hn::Mul(both, f), far[k] = hn::Mul(both, n);
   }
   const float near_total = total_of(near), far_total = total_of(far);
   if (!(near_total > 0.0F) || !(far_total > 0.0F)) return;
@@ -211,7 +219,7 @@ HWY_INLINE HWY_ATTR void near_or_intensity(const Views& views, const NodeBlock& 
     const auto diagonal2 = hn::Max(hn::Mul(hn::Set(d, 4.0F), half2), hn::Set(d, kLeastDistance2));
     const auto live = hn::Gt(views.weight[k], hn::Zero(d));
     by_intensity |= !hn::AllFalse(d, hn::And(live, hn::Lt(views.near2[k], diagonal2)));
-    near[k] = over_square(views.weight[k], views.near2[k]);
+    near[k] = hn::Div(views.weight[k], at_least(views.near2[k]));
   }
   for (std::size_t k = 0; k < kParts; ++k) {
     if (by_intensity) near[k] = views.weight[k];

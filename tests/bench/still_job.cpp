@@ -105,12 +105,6 @@ unsigned plane_flag(StillPlane plane) {
   return 0;
 }
 
-std::string choose_still_kernel(const StillOptions& options, const scene::Scene& scene) {
-  if (options.kernel != "auto") return options.kernel;
-  if (scene.field != nullptr) return "sphere";
-  return options.bounces > 0 ? "brute" : "ray";
-}
-
 /// Adds one pass of `share` of all samples to the mean; other planes stay those of the first pass.
 void merge(kernels::ViewBuffers& mean, const kernels::ViewBuffers& pass, float share) {
   for (std::size_t i = 0; i < mean.radiance.size(); ++i) {
@@ -133,6 +127,15 @@ kernels::ViewBuffers start_from(const kernels::ViewBuffers& pass, float share) {
 
 }  // namespace
 
+std::string choose_kernel(const StillOptions& options, const scene::SceneFacts& facts) {
+  if (options.kernel != "auto") return options.kernel;
+  if (options.bounces > 0) return "brute";
+  std::vector<std::string_view> registered;
+  for (const auto& entry : kernels::kernel_table()) registered.push_back(entry.name);
+  return std::string(
+      scene::choose_kernel(facts, scene::IndirectLight::NotWanted, registered).kernel);
+}
+
 Result<StillJob> prepare_still(const StillOptions& options) {
   const auto rate = foveation::find_rate_model(options.rate_model);
   if (!rate) return forward(rate);
@@ -144,12 +147,14 @@ Result<StillJob> prepare_still(const StillOptions& options) {
   const auto shot = choose_shot(options, **loaded, scene::pose_at(**loaded, time));
   if (!shot) return forward(shot);
   job.load_cpu_ms = watch.lap_ms();
-  job.kernel = choose_still_kernel(options, **loaded);
+  const scene::SceneFacts facts = scene::facts_of(**loaded);
+  job.kernel = choose_kernel(options, facts);
   if (auto ok = kernels::check_scene(job.kernel, **loaded); !ok) return forward(ok);
   if ((*loaded)->field == nullptr && std::ranges::count(options.planes, StillPlane::Steps) > 0) {
     return bad_input("'steps' is made by kernels that march distance fields only", "--aov");
   }
-  auto frame = kernels::SceneFrame::create(*loaded, time);
+  auto frame =
+      kernels::SceneFrame::create(*loaded, scene::ScenePlan(facts, {.kernel = job.kernel}), time);
   if (!frame) return forward(frame);
   job.build_cpu_ms = watch.lap_ms();
   job.scene = *frame;
