@@ -64,7 +64,7 @@ scene::Scene crowd(int count) {
   const Index ball = builder.add(sphere("ball", 0.3F, 32, 16), material);
   for (int i = 0; i < count; ++i) {
     const Index joint = builder.add(wandering(lattice(i, count), 0.37 * i));
-    builder.place(ball, DMat4{1.0}, joint);
+    builder.hang(joint, ball);
   }
   return std::move(builder).finish();
 }
@@ -115,7 +115,7 @@ scene::Scene lanterns(int triangles) {
   const Index mesh = builder.add(std::move(ball), builder.add(lamp("lantern", Rgb{5.0F})));
   for (int i = 0; i < count; ++i) {
     const Index joint = builder.add(wandering(lattice(i, count), 0.37 * i));
-    builder.place(mesh, DMat4{1.0}, joint);
+    builder.hang(joint, mesh);
   }
   return std::move(builder).finish();
 }
