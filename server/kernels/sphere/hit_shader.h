@@ -23,7 +23,8 @@ class HitShader {
   HitShader(const ViewContext& context, const PixelGrid& grid, int samples)
       : context_(context),
         grid_(grid),
-        per_sample_(1.0F / std::sqrt(static_cast<float>(samples))) {}
+        per_sample_(1.0F / std::sqrt(static_cast<float>(samples))),
+        occlusion_(context.program) {}
 
   /// each(const ShadedHit&) for every hit of the block in its order. Samples that are not finite
   /// are black and counted.

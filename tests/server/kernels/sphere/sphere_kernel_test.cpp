@@ -14,6 +14,8 @@
 namespace macula::kernels::sphere {
 namespace {
 
+using image::Plane;
+
 constexpr int kSide = 160;
 
 std::shared_ptr<const SceneFrame> frame_of(const std::string& name, double time_s = 0.0) {
