@@ -22,7 +22,7 @@ class SlabMarch {
 
   // A page is marched until half its lanes have ended; the rest joins other lanes in a new page.
   std::uint64_t run() {
-    const Tape& tape = s_.block_slabs.tape_of(slab_);
+    const Tape& tape = s_.block_slabs.tape_of(slab_, slab_.waiting.size(), s_.registers);
     std::uint64_t evaluations = 0;
     while (!slab_.waiting.empty()) {
       const Page page = slab_.waiting.take();
@@ -61,7 +61,7 @@ class SurfaceFinder {
   SurfaceFinder(TraceScratch& scratch, std::vector<Hit>& hits) : s_(scratch), hits_(hits) {}
 
   void run(Slab& slab) {
-    const Tape& tape = s_.block_slabs.tape_of(slab);
+    const Tape& tape = s_.block_slabs.tape_of(slab, 0, s_.registers);
     for (std::size_t first = 0; first < slab.hits.size(); first += kBatch) {
       const std::span<const std::uint32_t> ids(slab.hits.data() + first,
                                                std::min(kBatch, slab.hits.size() - first));
@@ -87,7 +87,9 @@ class SurfaceFinder {
     hit.material = s_.surfaces.material[i];
     const float falls = -glm::dot(gradient, hit.direction);
     const float ahead = at + s_.surfaces.distance[i] / falls;
-    const bool moves = usable && falls > kNewtonSlope && ahead >= slab.low && ahead < slab.high;
+    const bool holds = ahead >= slab.low * (1.0F - 0.9F * kSlabMargin) &&
+                       ahead <= slab.high * (1.0F + 0.9F * kSlabMargin);
+    const bool moves = usable && falls > kNewtonSlope && holds;
     hit.t = moves ? ahead : at;
     s_.points.set(i, hit.t * hit.direction);
   }

@@ -35,6 +35,7 @@ struct Page {
 class LaneQueue {
  public:
   bool empty() const { return pages_.empty(); }
+  std::size_t size() const { return empty() ? 0 : (pages_.size() - 1) * kBatch + last_; }
   /// A lane that nothing is known of yet but that everything before `at` is free.
   void push(const Vec3& direction, float at, float width, float half, std::uint32_t id,
             PagePool& pool) {

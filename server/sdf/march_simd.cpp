@@ -133,6 +133,7 @@ HWY_ATTR std::size_t advance_relaxed(Chunk& chunk, std::size_t count, const Dist
     const auto t = hn::Load(d, chunk.t + i), radius = hn::Load(d, chunk.radius + i);
     const auto slope = hn::Load(d, chunk.slope + i), at = lanes.at, r = lanes.found;
     const auto step = hn::Sub(at, t);
+    const auto moved = lanes.live;  // the others wait with what they know
     const auto touching = hn::MulAdd(set(kRounding), at, hn::Add(radius, hn::Max(r, zero)));
     const auto apart = hn::Gt(step, touching);
     const auto arrives = hn::AndNot(apart, lanes.live);
@@ -151,7 +152,8 @@ HWY_ATTR std::size_t advance_relaxed(Chunk& chunk, std::size_t count, const Dist
     const auto next = hn::IfThenElse(apart, hn::Add(t, radius), hn::Min(forward, far));
     hn::Store(hn::IfThenElse(arrives, at, t), d, chunk.t + i);
     hn::Store(hn::IfThenElse(arrives, r, radius), d, chunk.radius + i);
-    hn::Store(hn::IfThenElse(apart, minus_one, slope_now), d, chunk.slope + i);
+    slope_now = hn::IfThenElse(apart, minus_one, slope_now);
+    hn::Store(hn::IfThenElse(moved, slope_now, slope), d, chunk.slope + i);
     live += lanes.finish(next, limits, points);
   }
   return live;

@@ -12,11 +12,15 @@ namespace {
 
 /// Depths below far * 2^-kOctaves share one slab.
 constexpr int kOctaves = 40;
-/// A slab is about this many times as long as its cone is wide there.
-constexpr float kLengthOverWidth = 3.0F;
+/// A slab is about this many times as long as its cone is wide there: short slabs see less, long
+/// ones are fewer to prune, which pays for small programs.
+constexpr float kLengthOverWidth = 3.0F, kLengthOverWidthOfMany = 1.0F;
+constexpr std::size_t kManyInstructions = 150;
 
 /// What costs a point no more operations than this is not pruned further.
 constexpr std::size_t kCheapEnough = 60;
+/// Fewer lanes than this cost less than pruning for them.
+constexpr std::size_t kWorthPruning = 128;
 
 std::uint32_t bits(float t) {
   return std::bit_cast<std::uint32_t>(t);
@@ -42,7 +46,8 @@ void Slabs::reset(const Program& program, Slabs* outer, const Cone& cone, Prunin
   program_ = &program, outer_ = outer, cone_ = cone, pruning_ = pruning;
   count_ = 0;
   prunings_ = 0;
-  const float share = kLengthOverWidth * 2.0F * cone.half;
+  const bool many = program.code.size() > kManyInstructions;
+  const float share = (many ? kLengthOverWidthOfMany : kLengthOverWidth) * 2.0F * cone.half;
   const int split = std::clamp(static_cast<int>(std::lround(-std::log2(share))), 0, 5);
   shift_ = 23 - static_cast<std::uint32_t>(split);
   if (outer) shift_ = std::min(shift_, outer->shift_);
@@ -75,27 +80,23 @@ Slab& Slabs::make(std::uint32_t key, Registers& registers) {
   slab.high = std::bit_cast<float>((key + 1) << shift_);
   slab.tape.ops.clear();
   slab.shared = nullptr;
+  slab.seen = 0;
   if (pruning_ == Pruning::None) {
     slab.low = 0.0F, slab.high = std::numeric_limits<float>::infinity();
     slab.code = program_->code;
+  } else if (outer_) {
+    slab.shared = &outer_->of(slab.low, registers);
+    outer_->tape_of(*slab.shared, 0, registers);
+    slab.operations = slab.shared->operations;
   } else {
-    prune(slab, registers);
+    prune(slab, program_->code, registers);
   }
   return slab;
 }
 
-void Slabs::prune(Slab& slab, Registers& registers) {
-  Slab* const outer = outer_ ? &outer_->of(slab.low, registers) : nullptr;
-  if (outer) {
-    outer_->tape_of(*outer);
-    if (outer->operations <= kCheapEnough) {
-      slab.shared = outer;
-      slab.operations = outer->operations;
-      return;
-    }
-  }
-  const std::vector<Instruction>& from = outer ? outer->code : program_->code;
-  const float low = slab.low * 0.9999F, high = slab.high * 1.0001F, middle = 0.5F * (low + high);
+void Slabs::prune(Slab& slab, const std::vector<Instruction>& from, Registers& registers) {
+  const float low = slab.low * (1.0F - kSlabMargin), high = slab.high * (1.0F + kSlabMargin),
+              middle = 0.5F * (low + high);
   // |t v - m c|^2 = (t - m)^2 + 4 t m sin^2(th / 2) is largest at the far rim.
   const float along = high - middle, across = 2.0F * cone_.half;
   const float radius = 1.0001F * std::sqrt(along * along + high * middle * across * across);
@@ -106,8 +107,14 @@ void Slabs::prune(Slab& slab, Registers& registers) {
   ++prunings_;
 }
 
-const Tape& Slabs::tape_of(Slab& slab) {
-  if (slab.shared) return slab.shared->tape;
+const Tape& Slabs::tape_of(Slab& slab, std::size_t lanes, Registers& registers) {
+  slab.seen += lanes;
+  if (slab.shared) {
+    if (slab.seen < kWorthPruning || slab.shared->operations <= kCheapEnough)
+      return slab.shared->tape;
+    prune(slab, slab.shared->code, registers);
+    slab.shared = nullptr;
+  }
   if (slab.tape.ops.empty()) {
     slab.tape = make_tape(slab.code, program_->constants);
     slab.operations = operations_of(slab.tape);

@@ -26,12 +26,16 @@ struct Cone {
 /// Around the unit directions, with room for their roundings.
 Cone cone_around(std::span<const Vec3> directions);
 
+/// How far beyond its ends a slab's code still holds, relative to t: room for Newton steps.
+inline constexpr float kSlabMargin = 4e-3F;
+
 struct Slab {
   std::uint32_t key = 0;          ///< grows with depth
   float low = 0.0F, high = 0.0F;  ///< t in [low, high)
   std::vector<Instruction> code;
-  Tape tape;                        ///< empty until tape_of asks for it
-  Slab* shared = nullptr;           ///< whose code and tape serve this one too, or null
+  Tape tape;               ///< empty until tape_of asks for it
+  Slab* shared = nullptr;  ///< whose code and tape serve as long as this one is not pruned, or null
+  std::size_t seen = 0;    ///< lanes that came here
   std::size_t operations = 0;       ///< of the tape, a point
   LaneQueue waiting;                ///< lanes to march here
   std::vector<std::uint32_t> hits;  ///< lanes that hit here
@@ -46,8 +50,9 @@ class Slabs {
 
   /// The slab that holds t >= 0.
   Slab& of(float t, Registers& registers);
-  /// Of a slab of these.
-  const Tape& tape_of(Slab& slab);
+  /// Of a slab of these, for so many more lanes: pruning waits until enough have come to pay for
+  /// it.
+  const Tape& tape_of(Slab& slab, std::size_t lanes, Registers& registers);
   /// The nearest slab with waiting lanes; null when there are none.
   Slab* nearest_waiting();
   template <class Each>
@@ -61,7 +66,7 @@ class Slabs {
  private:
   std::uint32_t key_of(float t) const;
   Slab& make(std::uint32_t key, Registers& registers);
-  void prune(Slab& slab, Registers& registers);
+  void prune(Slab& slab, const std::vector<Instruction>& from, Registers& registers);
 
   const Program* program_ = nullptr;
   Slabs* outer_ = nullptr;

@@ -12,6 +12,9 @@ namespace {
 
 constexpr int kMaxSamples = 16;
 constexpr int kMaxLevel = 32;
+constexpr int kLeastBlockSide = 16;
+/// A block should span no more than about this, from its axis to its corner.
+constexpr float kBlockAngle = 0.04F;  // rad
 
 bool is_level(int side) {
   return side >= 1 && side <= kMaxLevel && (side & (side - 1)) == 0;
@@ -63,7 +66,7 @@ class TileTrace {
 
   TraceCounts run(const image::Rect& tile, const Tracer::Done& done) {
     if (prunes()) s_.tile_slabs.reset(program_, nullptr, cone_of(tile), Slabs::Pruning::ByDepth);
-    const int side = options_.samples > 2 ? kBlockSide / 2 : kBlockSide;
+    const int side = block_side(tile);
     for (int y = 0; y < tile.height; y += side) {
       for (int x = 0; x < tile.width; x += side) {
         block_ = {tile.x + x, tile.y + y, std::min(side, tile.width - x),
@@ -76,6 +79,15 @@ class TileTrace {
   }
 
  private:
+  /// Blocks narrow enough to see little of the scene, yet with enough rays to share what is pruned.
+  int block_side(const image::Rect& tile) const {
+    int side = options_.samples > 2 ? kBlockSide / 2 : kBlockSide;
+    if (!prunes()) return side;
+    const float cell =
+        2.0F * cone_of(tile).half / static_cast<float>(std::max(tile.width, tile.height));
+    while (side > kLeastBlockSide && cell * static_cast<float>(side) > kBlockAngle) side /= 2;
+    return side;
+  }
   bool prunes() const { return options_.method != Method::Full; }
 
   Vec3 direction(const Vec2& tangent) const {

@@ -71,5 +71,83 @@ TEST_P(EachMethod, MeetsAPlaneWhereItsEquationSays) {
 INSTANTIATE_TEST_SUITE_P(Sdf, EachMethod,
                          testing::Values(Method::Full, Method::FullBest, Method::Cones));
 
+TEST(Tracer, GivesTheSameBitsForAnyTilesAndUnderAMask) {
+  const Field field = built_in("primitives");
+  const Pose pose = field.pose_of(field.cameras.front(), 1.0);
+  const Program program = compile(field, 1.0, pose.position);
+  const PixelGrid grid = ordinary_grid(200, 150);
+  const Traced a = trace_picture(program, pose, grid, {});
+  const Traced b = trace_picture(program, pose, grid, {});
+  ASSERT_EQ(a.hits.size(), b.hits.size());
+  for (std::size_t i = 0; i < a.hits.size(); ++i) ASSERT_EQ(a.hits[i].t, b.hits[i].t);
+  EXPECT_EQ(a.counts.evaluations(), b.counts.evaluations());
+
+  image::Plane<std::uint8_t> mask(grid.width(), grid.height());
+  std::size_t wanted = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i)
+    wanted += mask.pixels()[i] = i % 7 == 0 && i / 200 > 40 ? 1 : 0;
+  const Result<Tracer> tracer =
+      Tracer::create(program, glm::mat3_cast(pose.rotation), grid, TraceOptions{});
+  ASSERT_TRUE(tracer);
+  TraceWorkspace workspace;
+  std::size_t seen = 0, evaluations = 0;
+  for (int y = 0; y < grid.height(); y += kTileSide) {
+    for (int x = 0; x < grid.width(); x += kTileSide) {
+      const image::Rect tile{x, y, std::min(kTileSide, grid.width() - x),
+                             std::min(kTileSide, grid.height() - y)};
+      evaluations += tracer
+                         ->trace(tile, &mask, workspace,
+                                 [&](const HitBlock& block) {
+                                   for (const Hit& hit : block.hits) {
+                                     ++seen;
+                                     const Hit& same =
+                                         a.hits[static_cast<std::size_t>(hit.y * 200 + hit.x)];
+                                     ASSERT_EQ(hit.status, same.status);
+                                     ASSERT_EQ(hit.t, same.t);
+                                   }
+                                 })
+                         .evaluations();
+    }
+  }
+  EXPECT_EQ(seen, wanted);
+  EXPECT_LT(evaluations, a.counts.evaluations() / 2);
+}
+
+TEST(Tracer, GivesFirstLevelsAndSamplesTheSameHits) {
+  const Field field = built_in("columns");
+  const Pose pose = field.pose_of(field.cameras.front(), 0.0);
+  const Program program = compile(field, 0.0, pose.position);
+  const PixelGrid grid = ordinary_grid(120, 90);
+  for (const int samples : {1, 4, 16}) {
+    TraceOptions options;
+    options.samples = samples;
+    options.hit_pixels = 0.05F;
+    const Traced all = trace_picture(program, pose, grid, options);
+    ASSERT_EQ(all.hits.size(), 120U * 90U * static_cast<std::size_t>(samples));
+    for (const std::vector<int>& levels : {std::vector<int>{}, {32, 4}, {1}}) {
+      options.levels = levels;
+      const Traced other = trace_picture(program, pose, grid, options);
+      std::size_t differ = 0;
+      for (std::size_t i = 0; i < all.hits.size(); ++i)
+        differ += std::abs(all.hits[i].t - other.hits[i].t) > 2e-3F * all.hits[i].t;
+      EXPECT_LT(differ, all.hits.size() / 300);
+    }
+  }
+}
+
+TEST(Tracer, RefusesOptionsOutOfRange) {
+  const Program program = compile(scene_of(R"({"type": "sphere", "radius": 1})"), 0.0, DVec3{0.0});
+  const PixelGrid grid = ordinary_grid(8, 8);
+  const auto refused = [&](const TraceOptions& options) {
+    return !Tracer::create(program, DMat3{1.0}, grid, options).has_value();
+  };
+  EXPECT_TRUE(refused({.levels = {4, 8}}));
+  EXPECT_TRUE(refused({.levels = {12}}));
+  EXPECT_TRUE(refused({.samples = 17}));
+  EXPECT_TRUE(refused({.hit_pixels = 0.0F}));
+  EXPECT_TRUE(refused({.max_steps = 0}));
+  EXPECT_FALSE(refused({}));
+}
+
 }  // namespace
 }  // namespace macula::sdf
