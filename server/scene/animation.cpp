@@ -98,6 +98,13 @@ Pose posed(const Camera& camera, const std::vector<DMat4>& world_from_joint) {
   return {position, glm::normalize(glm::quat_cast(DMat3(right, glm::cross(back, right), back)))};
 }
 
+/// The field's point lights with keyframes; they come first among its scene's lights.
+std::vector<Index> keyed_lights(const sdf::Field& field) {
+  return indices_of(field.lights, [](const sdf::PointLight& light) {
+    return light.position.track >= 0 || light.intensity.track >= 0;
+  });
+}
+
 /// A field's lights and cameras follow its own keyframes, not joints.
 void pose_field(const Scene& scene, SceneTime time, ScenePose& pose) {
   const double seconds = std::chrono::duration<double>(time.since_start).count();
@@ -130,7 +137,10 @@ MovingParts moving_parts(const Scene& scene) {
   parts.lights = indices_of(scene.lights, carried);
   parts.cameras = indices_of(scene.cameras, carried);
   parts.meshes = indices_of(scene.meshes, changes_shape);
-  parts.field = scene.field != nullptr && scene.field->moves();
+  if (scene.field != nullptr && scene.field->moves()) {
+    parts.field = true;
+    parts.lights = keyed_lights(*scene.field);
+  }
   return parts;
 }
 

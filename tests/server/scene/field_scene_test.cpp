@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "server/scene/animation.h"
 #include "server/scene/load.h"
@@ -59,6 +60,7 @@ TEST(FieldScene, WithoutALobeWhereASurfaceIsAsRoughAsCanBe) {
 TEST(FieldScene, ItsLightsFollowTheScenesClock) {
   const auto made = scene();
   EXPECT_TRUE(moving_parts(*made).field);
+  EXPECT_EQ(moving_parts(*made).lights, std::vector<Index>{0});
   ScenePose pose = pose_at(*made, SceneTime{units::from_s(1.0)});
   EXPECT_NEAR(pose.lights[0].position.x, 2.0, 1e-9);
   repose(*made, moving_parts(*made), SceneTime{units::from_s(0.5)}, pose);
