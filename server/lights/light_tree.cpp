@@ -62,7 +62,10 @@ void LightTree::place_leaves(std::span<const LightBounds> lights) {
     std::ranges::fill(blocks_[block].intensity, 0.0F);
   }
   std::fill(intensity_.begin() + first_leaf_, intensity_.end(), 0.0);
+  // Lights lie in memory in another order than along the curve: they are asked for in advance.
+  constexpr std::size_t kAhead = 16;
   for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k + kAhead < order.size()) __builtin_prefetch(&lights[order[k + kAhead]]);
     const LightBounds& light = lights[order[k]];
     const std::size_t leaf = first_leaf_ + k;
     intensity_[leaf] = light.intensity / brightest_;

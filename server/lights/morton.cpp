@@ -9,7 +9,8 @@ namespace {
 
 constexpr int kBitsAnAxis = 21;
 constexpr int kDigitBits = 11;
-constexpr int kDigits = (3 * kBitsAnAxis + kDigitBits - 1) / kDigitBits;
+constexpr int kDigits = 3;  ///< the upper ones: 11 bits an axis tell nearly all points apart
+constexpr int kLowerBits = 3 * kBitsAnAxis - kDigits * kDigitBits;
 constexpr std::size_t kBuckets = std::size_t{1} << kDigitBits;
 using Histogram = std::array<std::uint32_t, kBuckets>;
 
@@ -23,7 +24,7 @@ std::uint64_t spread(std::uint64_t x) {
 }
 
 std::size_t digit_of(std::uint64_t code, int digit) {
-  return (code >> (digit * kDigitBits)) & (kBuckets - 1);
+  return (code >> (kLowerBits + digit * kDigitBits)) & (kBuckets - 1);
 }
 
 struct Cube {
@@ -64,7 +65,8 @@ std::span<const std::uint32_t> MortonOrder::sort(std::span<const Vec3> points) {
   return order_;
 }
 
-/// Least significant digit first; a digit that all keys share is passed over.
+/// Upper digits by radix, least significant first; a digit that all keys share is passed over. What
+/// they leave equal lies in short runs, each sorted by itself.
 void MortonOrder::sort_keys() {
   std::array<Histogram, kDigits> histograms{};
   for (const Key& key : keys_) {
@@ -78,6 +80,19 @@ void MortonOrder::sort_keys() {
     for (std::uint32_t& bucket : next) before += std::exchange(bucket, before);
     for (const Key& key : keys_) scratch_[next[digit_of(key.code, d)]++] = key;
     keys_.swap(scratch_);
+  }
+  sort_runs();
+}
+
+void MortonOrder::sort_runs() {
+  const auto upper = [](const Key& key) { return key.code >> kLowerBits; };
+  const auto code = [](const Key& key) { return key.code; };
+  for (auto begin = keys_.begin(); begin != keys_.end();) {
+    auto end = begin + 1;
+    while (end != keys_.end() && upper(*end) == upper(*begin)) ++end;
+    const bool ordered = std::ranges::is_sorted(begin, end, {}, code);
+    if (!ordered) std::ranges::stable_sort(begin, end, {}, code);
+    begin = end;
   }
 }
 

@@ -1,6 +1,6 @@
 // Points along the Morton curve: 63-bit codes, 21 bits an axis, sorted by a radix sort that keeps
-// the order of equal codes, so coincident points follow one another by index. O(n); keeps its
-// memory from call to call. One thread at a time.
+// the order of equal codes, so coincident points follow one another by index. O(n) unless most
+// points share the upper 33 bits; keeps its memory from call to call. One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,7 @@ class MortonOrder {
     std::uint32_t index;
   };
   void sort_keys();
+  void sort_runs();
 
   std::vector<Key> keys_, scratch_;
   std::vector<std::uint32_t> order_;
