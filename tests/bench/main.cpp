@@ -302,6 +302,8 @@ constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
+    {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
+    {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
 };
 
 int complain(const Error& error) {
