@@ -178,7 +178,10 @@ void repose(const Scene& scene, const MovingParts& moving, SceneTime time, Scene
   const std::vector<DMat4> world_from_joint = joint_transforms(scene, time);
   for (const Index i : moving.instances)
     pose.world_from_object[i] = posed(scene.instances[i], world_from_joint);
-  for (const Index i : moving.lights) carry(scene.lights[i], world_from_joint, pose.lights[i]);
+  for (const Index i : moving.lights) {
+    // A field's lights have keyframes of their own instead of a joint: pose_field moves them.
+    if (scene.lights[i].joint) carry(scene.lights[i], world_from_joint, pose.lights[i]);
+  }
   for (const Index i : moving.cameras)
     pose.world_from_view[i] = posed(scene.cameras[i], world_from_joint);
   for (const Index i : moving.meshes) reshape(scene.meshes[i].deformation, time, pose.shapes[i]);

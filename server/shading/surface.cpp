@@ -46,8 +46,7 @@ SurfaceTable::SurfaceTable(const scene::Scene& scene, const scene::ScenePose& po
 }
 
 SurfaceTable::Placed SurfaceTable::place(const scene::Scene& scene, scene::Index instance,
-                                         const scene::ScenePose& pose,
-                                         const Densities& densities) {
+                                         const scene::ScenePose& pose, const Densities& densities) {
   const scene::Index mesh = scene.instances[instance].mesh;
   const DMat4& world_from_object = pose.world_from_object[instance];
   const DMat3 linear(world_from_object);

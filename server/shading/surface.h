@@ -41,7 +41,7 @@ class SurfaceTable {
   struct Placed {
     const scene::Mesh* mesh;
     std::span<const Vec3> positions, normals;  ///< the mesh's, as the pose has them
-    const std::vector<float>* uv_per_unit;  ///< of the shape at rest
+    const std::vector<float>* uv_per_unit;     ///< of the shape at rest
     DMat3 world_from_object;
     DVec3 translation;
     Mat3 normal_from_object;  ///< inverse transpose: keeps fronts in front under mirroring too

@@ -19,7 +19,8 @@ void HitShader::gather(std::span<const sdf::Hit> hits) {
     const sdf::Hit& hit = hits[i];
     radiance_[i] = context_.scene.scene().settings.ambient, albedo_[i] = Rgb{0.0F};
     depth_[i] = kInfinity;
-    if (!met_surface(hit)) continue;
+    if (hit.status == sdf::RayStatus::Inside) radiance_[i] = Rgb{0.0F}, depth_[i] = 0.0F;
+    if (hit.status != sdf::RayStatus::Hit) continue;
     depth_[i] = hit.t * glm::dot(hit.direction, context_.forward);
     surfaces_.position.set(n, hit.t * hit.direction);
     surfaces_.normal.set(n, hit.normal);

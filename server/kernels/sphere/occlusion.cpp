@@ -25,9 +25,11 @@ struct Occlusion::Lanes {
   std::size_t count = 0;
 };
 
-/// Leaves no lanes. A ray that runs out of steps creeps along a surface: it is hidden.
+/// Leaves no lanes. A ray that runs out of steps creeps along a surface: it is hidden. At `s` to a
+/// wall a step goes s times the distance to it, so 512 steps carry a ray that starts a centimeter
+/// off a kilometer far unless it lies within 1.3 degrees of the wall.
 void Occlusion::march(Lanes& lanes, float tan_radius, sampling::FloatBatch& reaching) {
-  constexpr int kMostSteps = 128;
+  constexpr int kMostSteps = 512;
   for (int step = 0; step < kMostSteps && lanes.count > 0; ++step) {
     for (std::size_t i = 0; i < lanes.count; ++i) {
       const Lanes::Lane& lane = lanes.at[i];

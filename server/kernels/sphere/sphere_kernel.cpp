@@ -61,6 +61,11 @@ Config make_config(const KernelOptions& options) {
   config.samples_per_cell = options.samples_per_cell;
   config.block_samples = block_samples_for(config.samples_per_cell);
   config.foveation = options.mode == Mode::Exact ? Foveation::Off : Foveation::On;
+  if (options.mode == Mode::Exact) {
+    config.lighting.shadows = Shadows::Hard;
+    config.lighting.sky = options.ambient_samples > 0 ? SkyLight::Traced : SkyLight::None;
+    config.lighting.sky_samples = std::max(options.ambient_samples, 1);
+  }
   config.materials =
       options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene;
   return config;
