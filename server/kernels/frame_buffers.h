@@ -1,4 +1,5 @@
 // What a kernel writes. Radiance and depth always; the other planes when their flag is set.
+// kLight is made by kernel `ray` only; others leave its planes black.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +19,7 @@ enum PlaneFlag : unsigned {
   kVariance = 1U << 5,
   kSamples = 1U << 6,
   kSteps = 1U << 7,  ///< kernels that march distance fields only
+  kLight = 1U << 8,  ///< both light and reflectance
 };
 
 struct ViewBuffers {
@@ -31,6 +33,9 @@ struct ViewBuffers {
   image::Plane<float> variance;  ///< of the mean luminance
   image::Plane<float> samples;   ///< samples taken in the cell
   image::Plane<float> steps;     ///< evaluations of the field a sample
+  /// The part of radiance that chance estimates (area and ambient light), per unit of reflectance.
+  image::Plane<Rgb> light;
+  image::Plane<Rgb> reflectance;  ///< directional, of the same samples; 0 where nothing was hit
 };
 
 struct FrameBuffers {

@@ -46,6 +46,16 @@ struct FrameReport {
          shade_ms = 0.0;  ///< thread-summed shares of the frame where a kernel has them
   std::vector<std::string> biased_shortcuts;  ///< empty in mode exact
 
+  // Methods that trace some cells and remember the others; thread-summed CPU times.
+  std::uint64_t resampled_cells = 0;  ///< traced because memory failed or was contradicted
+  std::uint64_t filled_cells = 0;     ///< neither traced nor remembered
+  double sample_ms = 0.0;             ///< rays and shading
+  double reproject_ms = 0.0;
+  double mask_ms = 0.0;  ///< deciding which cells are traced; of the calling thread
+  double cache_ms = 0.0;
+  double merge_ms = 0.0;
+  double post_ms = 0.0;
+
   /// Adds another part's work; stopped if either was. Shortcuts stay this part's.
   FrameReport& operator+=(const FrameReport& part) {
     stopped = stopped || part.stopped;
@@ -54,6 +64,9 @@ struct FrameReport {
     field_evaluations += part.field_evaluations, field_operations += part.field_operations;
     unfinished_rays += part.unfinished_rays;
     trace_ms += part.trace_ms, shade_ms += part.shade_ms;
+    resampled_cells += part.resampled_cells, filled_cells += part.filled_cells;
+    sample_ms += part.sample_ms, reproject_ms += part.reproject_ms, mask_ms += part.mask_ms;
+    cache_ms += part.cache_ms, merge_ms += part.merge_ms, post_ms += part.post_ms;
     return *this;
   }
 };

@@ -7,6 +7,9 @@ namespace macula::kernels {
 /// reports.
 enum class Mode { Exact, Fast };
 
+/// Whether mode Fast may take cells from earlier frames instead of tracing them; kernel `ray` only.
+enum class Reuse { Nothing, EarlierFrames };
+
 struct KernelOptions {
   Mode mode = Mode::Fast;
   int samples_per_cell = 1;     ///< n; a square number gives a regular n = k x k pattern
@@ -16,6 +19,7 @@ struct KernelOptions {
   int environment_samples = 4;  ///< per primary sample, in a scene with an environment
   int bounces = 0;              ///< diffuse bounces by path tracing; brute force only
   bool lambert_only = false;    ///< every material becomes Lambert with its base colour
+  Reuse reuse = Reuse::Nothing;
 };
 
 }  // namespace macula::kernels

@@ -31,6 +31,8 @@ void prepare_buffers(std::span<const View> views, FrameBuffers& out) {
     size_plane(planes.variance, (out.wanted & kVariance) != 0, width, height);
     size_plane(planes.samples, (out.wanted & kSamples) != 0, width, height);
     size_plane(planes.steps, (out.wanted & kSteps) != 0, width, height);
+    size_plane(planes.light, (out.wanted & kLight) != 0, width, height);
+    size_plane(planes.reflectance, (out.wanted & kLight) != 0, width, height);
   }
 }
 

@@ -22,6 +22,7 @@ class FoveationMap {
   FoveationMap(std::vector<ViewInput> views, const RateModel& model);
 
   std::size_t view_count() const { return views_.size(); }
+  const ViewInput& view(std::size_t index) const { return views_.at(index); }
   const RateModel& model() const { return model_; }
   /// rate(e) at the centres of row y; out has the grid's width.
   void rate_row(std::size_t view, int y, std::span<float> out) const;

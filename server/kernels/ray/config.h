@@ -2,6 +2,7 @@
 #pragma once
 
 #include "server/kernels/options.h"
+#include "server/kernels/ray/foveated_config.h"
 #include "server/shading/material_table.h"
 
 namespace macula::kernels::ray {
@@ -23,9 +24,12 @@ struct Config {
   int environment_samples = 4;  ///< shadow rays to the environment per primary ray, >= 1
   shading::MaterialModel materials = shading::MaterialModel::AsInScene;
   LightChoice lights = LightChoice::Every;
+  FoveatedConfig foveated;  ///< mode Fast only
 };
 
 inline Config make_config(const KernelOptions& options) {
+  FoveatedConfig foveated;
+  foveated.method = options.reuse == Reuse::EarlierFrames ? Method::Foveated : Method::Full;
   return {
       options.mode,
       options.samples_per_cell,
@@ -34,7 +38,8 @@ inline Config make_config(const KernelOptions& options) {
       options.ambient_samples,
       options.environment_samples,
       options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene,
-      LightChoice::Every};
+      LightChoice::Every,
+      foveated};
 }
 
 }  // namespace macula::kernels::ray

@@ -36,6 +36,9 @@ class Pass {
   void add_to(std::span<Rgb> radiance) const {
     for (std::size_t i = 0; i < n_; ++i) radiance[i] += sum_[i];
   }
+  void write_sampled(std::span<Rgb> sampled) const {
+    for (std::size_t i = 0; i < n_; ++i) sampled[i] = sum_[i] - exact_[i];
+  }
 
  private:
   void add_punctual(const scene::Light& light);
@@ -58,6 +61,7 @@ class Pass {
   const std::size_t n_;
 
   Vec3Batch sum_{};           ///< radiance of all terms so far
+  Vec3Batch exact_{};         ///< of those that need no chance
   Vec3Batch contribution_{};  ///< what each ray of a term brings if nothing is in its way
   sampling::ScramblingBatch sequences_{};
   sampling::Vec2Batch u_{};
@@ -71,6 +75,7 @@ void Pass::run() {
   const bool by_cut = config_.lights == LightChoice::ByCut;
   const auto lights = by_cut ? scene_.placed_lights().apart() : scene_.lights().punctual();
   for (const scene::Light& light : lights) add_punctual(light);
+  exact_ = sum_;
   if (by_cut && scene_.placed_lights().size() > 0) add_cut();
   if (!by_cut && !scene_.lights().emissive().empty()) add_area();
   if (config_.ambient_samples > 0 && scene_.plan().has(scene::Step::Ambient)) add_ambient();
@@ -270,12 +275,14 @@ void LitPoints::push(const DVec3& point, const shading::Reflector& reflector,
   ++count;
 }
 
-void Lighting::add(const LitPoints& points, std::span<Rgb> radiance, LightingWork& work) const {
+void Lighting::add(const LitPoints& points, std::span<Rgb> radiance, LightingWork& work,
+                   std::span<Rgb> sampled) const {
   MACULA_DCHECK(points.count == radiance.size());
   if (points.count == 0) return;
   Pass pass(scene_, config_, points, work);
   pass.run();
   pass.add_to(radiance);
+  if (!sampled.empty()) pass.write_sampled(sampled);
 }
 
 }  // namespace macula::kernels::ray

@@ -45,8 +45,10 @@ class Lighting {
   Lighting(const SceneFrame& scene, const Config& config) : scene_(scene), config_(config) {}
 
   /// Adds the light that every point reflects to its eye to radiance[i]; radiance.size() ==
-  /// points.count.
-  void add(const LitPoints& points, std::span<Rgb> radiance, LightingWork& work) const;
+  /// points.count. `sampled`, empty or of the same size, receives the part of it that chance
+  /// estimates: area and ambient light.
+  void add(const LitPoints& points, std::span<Rgb> radiance, LightingWork& work,
+           std::span<Rgb> sampled = {}) const;
 
  private:
   const SceneFrame& scene_;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/kernels/planes.h"
+#include "server/kernels/ray/foveated.h"
 #include "server/kernels/ray/shading_point.h"
 #include "server/kernels/ray/tile.h"
 #include "shared/base/check.h"
@@ -33,35 +34,40 @@ std::vector<Job> list_jobs(std::span<const View> views) {
 
 FrameReport total(const std::vector<FrameReport>& parts) {
   FrameReport sum;
-  for (const FrameReport& part : parts) {
-    sum.primary_rays += part.primary_rays;
-    sum.shadow_rays += part.shadow_rays;
-    sum.non_finite_samples += part.non_finite_samples;
-    sum.trace_ms += part.trace_ms;
-    sum.shade_ms += part.shade_ms;
-  }
+  for (const FrameReport& part : parts) sum += part;
   return sum;
+}
+
+/// Every cell of every view, every frame.
+FrameReport render_full(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+                        TileScheduler& scheduler, FrameBuffers& out) {
+  std::vector<ViewContext> contexts;
+  contexts.reserve(request.views.size());
+  for (const View& view : request.views) {
+    contexts.emplace_back(view, scene, config, request, out.wanted);
+  }
+  const std::vector<Job> jobs = list_jobs(request.views);
+  std::vector<FrameReport> parts(jobs.size());
+  const auto outcome = scheduler.run(jobs.size(), [&](std::size_t index) {
+    const Job& job = jobs[index];
+    parts[index] = render_tile(contexts[job.view], job.tile, out.views[job.view]);
+  });
+  FrameReport report = total(parts);
+  report.stopped = outcome == scheduling::Outcome::Stopped;
+  return report;
 }
 
 }  // namespace
 
-FrameReport RayKernel::render(const FrameRequest& request, const SceneFrame& scene, History&,
-                              TileScheduler& scheduler, FrameBuffers& out) const {
+FrameReport RayKernel::render(const FrameRequest& request, const SceneFrame& scene,
+                              History& history, TileScheduler& scheduler, FrameBuffers& out) const {
   prepare_buffers(request.views, out);
-  std::vector<ViewContext> contexts;
-  contexts.reserve(request.views.size());
-  for (const View& view : request.views) {
-    contexts.emplace_back(view, scene, config_, request, out.wanted);
+  const bool foveated = config_.mode == Mode::Fast && config_.foveated.method == Method::Foveated;
+  FrameReport report = foveated ? render_foveated(request, scene, config_, history, scheduler, out)
+                                : render_full(request, scene, config_, scheduler, out);
+  if (!report.stopped) {
+    report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
   }
-  const std::vector<Job> jobs = list_jobs(request.views);
-  std::vector<FrameReport> parts(jobs.size());
-  auto outcome = scheduler.run(jobs.size(), [&](std::size_t index) {
-    const Job& job = jobs[index];
-    parts[index] = render_tile(contexts[job.view], job.tile, out.views[job.view]);
-  });
-  if (outcome == scheduling::Outcome::Completed) outcome = fill_rate(request, scheduler, out);
-  FrameReport report = total(parts);
-  report.stopped = outcome == scheduling::Outcome::Stopped;
   if (config_.mode == Mode::Fast) {
     report.biased_shortcuts.emplace_back(
         "textures are averaged over the cell before shading (trilinear, isotropic)");

@@ -23,6 +23,7 @@ struct Cell {
   int x = 0, y = 0;
   sampling::SampleKey key;
   Rgb sum{0.0F};
+  Rgb sampled_sum{0.0F}, reflectance_sum{0.0F};  ///< with kLight
   double luminance_sum = 0.0, luminance_square_sum = 0.0;
 };
 
@@ -32,6 +33,10 @@ class TileRun {
       : context_(context), out_(out) {
     list_cells(tile);
     points_.keeps_whole = context.scene.plan().has(scene::Step::Environment);
+  }
+  TileRun(const ViewContext& context, std::span<const image::Pixel> cells, ViewBuffers& out)
+      : context_(context), out_(out) {
+    for (const image::Pixel& cell : cells) add_cell(cell.x, cell.y);
   }
 
   FrameReport run() {
@@ -126,9 +131,21 @@ class TileRun {
     const auto begin = std::chrono::steady_clock::now();
     const std::size_t n = points_.count;
     for (std::size_t k = 0; k < n; ++k) lit_radiance_[k] = radiance_[owner_[k]];
-    context_.lighting.add(points_, {lit_radiance_.data(), n}, work_);
+    const bool split = (context_.wanted & kLight) != 0;
+    context_.lighting.add(points_, {lit_radiance_.data(), n}, work_,
+                          {sampled_.data(), split ? n : 0});
     for (std::size_t k = 0; k < n; ++k) radiance_[owner_[k]] = lit_radiance_[k];
+    if (split) accumulate_light();
     report_.shade_ms += ms_since(begin);
+  }
+
+  void accumulate_light() {
+    for (std::size_t k = 0; k < points_.count; ++k) {
+      if (!math::is_finite(lit_radiance_[k])) continue;
+      Cell& cell = cells_[owner_[k]];
+      cell.sampled_sum += sampled_[k];
+      cell.reflectance_sum += points_.reflectors.reflectance[k];
+    }
   }
 
   void accumulate() {
@@ -152,6 +169,7 @@ class TileRun {
       out_.radiance(cell.x, cell.y) = cell.sum / static_cast<float>(n);
       if (context_.wanted & kSamples) out_.samples(cell.x, cell.y) = static_cast<float>(n);
       if (context_.wanted & kVariance) out_.variance(cell.x, cell.y) = variance_of_mean(cell, n);
+      if (context_.wanted & kLight) write_light(cell, n);
     }
   }
   /// Unknown, hence infinite, for a single sample.
@@ -160,6 +178,16 @@ class TileRun {
     const double mean = cell.luminance_sum / n;
     const double spread = cell.luminance_square_sum / n - mean * mean;
     return static_cast<float>(std::max(spread, 0.0) / (n - 1));
+  }
+
+  /// Light per reflectance such that their product is the mean of what was reflected.
+  void write_light(const Cell& cell, int n) {
+    Rgb light{0.0F};
+    for (int c = 0; c < 3; ++c) {
+      if (cell.reflectance_sum[c] > 0.0F) light[c] = cell.sampled_sum[c] / cell.reflectance_sum[c];
+    }
+    out_.light(cell.x, cell.y) = light;
+    out_.reflectance(cell.x, cell.y) = cell.reflectance_sum / static_cast<float>(n);
   }
 
   void write_guide_miss(const Cell& cell) {
@@ -204,7 +232,7 @@ class TileRun {
   visibility::HitStream hits_;
   LitPoints points_{};
   std::array<std::uint16_t, kCells> owner_;
-  std::array<Rgb, kCells> radiance_, lit_radiance_;
+  std::array<Rgb, kCells> radiance_, lit_radiance_, sampled_;
 };
 
 }  // namespace
@@ -224,6 +252,12 @@ ViewContext::ViewContext(const View& shown, const SceneFrame& frame_scene, const
 
 FrameReport render_tile(const ViewContext& context, const image::Rect& tile, ViewBuffers& out) {
   return TileRun(context, tile, out).run();
+}
+
+FrameReport render_cells(const ViewContext& context, std::span<const image::Pixel> cells,
+                         ViewBuffers& out) {
+  MACULA_DCHECK(cells.size() <= kCells);
+  return TileRun(context, cells, out).run();
 }
 
 }  // namespace macula::kernels::ray

@@ -31,5 +31,8 @@ struct ViewContext {
 
 /// Renders one tile into `out`; returns its share of the report.
 FrameReport render_tile(const ViewContext& context, const image::Rect& tile, ViewBuffers& out);
+/// Renders at most kTileSide^2 cells from anywhere in the view; near ones should follow each other.
+FrameReport render_cells(const ViewContext& context, std::span<const image::Pixel> cells,
+                         ViewBuffers& out);
 
 }  // namespace macula::kernels::ray

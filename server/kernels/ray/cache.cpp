@@ -1,0 +1,27 @@
+#include "server/kernels/ray/cache.h"
+
+#include "server/kernels/frame_buffers.h"
+
+namespace macula::kernels::ray {
+namespace {
+
+template <class T>
+void size_plane(Plane<T>& plane, bool wanted, int width, int height) {
+  if (!wanted) width = height = 0;
+  if (plane.width() != width || plane.height() != height) plane.resize(width, height);
+}
+
+}  // namespace
+
+void prepare_cache(Cache& cache, int width, int height, bool has_light, unsigned wanted) {
+  size_plane(cache.color, true, width, height);
+  size_plane(cache.light, has_light, width, height);
+  size_plane(cache.reflectance, has_light, width, height);
+  size_plane(cache.info, true, width, height);
+  size_plane(cache.inverse_depth, true, width, height);
+  size_plane(cache.surface_id, (wanted & kSurfaceId) != 0, width, height);
+  size_plane(cache.normal, (wanted & kNormal) != 0, width, height);
+  size_plane(cache.albedo, (wanted & kAlbedo) != 0, width, height);
+}
+
+}  // namespace macula::kernels::ray

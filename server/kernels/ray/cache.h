@@ -1,0 +1,68 @@
+// What kernel `ray` remembers between frames: for every cell of every view its colour, the light
+// that chance estimates, and how much both are worth. A record belongs to one session.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "server/kernels/history.h"
+#include "shared/foveation/pixel_grid.h"
+#include "shared/image/color.h"
+#include "shared/image/plane.h"
+#include "shared/math/pose.h"
+
+namespace macula::kernels::ray {
+
+using image::Plane;
+
+/// Four numbers that are filtered together; one load of a vector register.
+struct alignas(16) Texel {
+  float r = 0.0F, g = 0.0F, b = 0.0F, unused = 0.0F;
+
+  Texel() = default;
+  explicit Texel(const Rgb& c) : r(c.x), g(c.y), b(c.z) {}
+  Rgb rgb() const { return {r, g, b}; }
+};
+
+/// A cell's cache info (section 3.4), never interpolated.
+struct CacheInfo {
+  float samples = 0.0F;        ///< rho of the colour
+  float light_samples = 0.0F;  ///< rho of the light
+  std::uint32_t touched = 0;   ///< clock of the last sample, modulo 2^32
+};
+
+/// One view's picture. Shown: color + reflectance * light; the latter two are empty in scenes where
+/// chance estimates nothing.
+struct Cache {
+  Plane<Texel> color;        ///< emission and lights without extent, radiance
+  Plane<Texel> light;        ///< area and ambient light per unit of reflectance, radiance
+  Plane<Texel> reflectance;  ///< directional, [0, 1]
+  Plane<CacheInfo> info;
+  /// 1/m, of view depth: 0 where nothing was hit, kNothing where nothing is remembered.
+  Plane<float> inverse_depth;
+  Plane<std::uint32_t> surface_id;  ///< empty unless the frame asked for it; so the next two
+  Plane<Vec3> normal;
+  Plane<Rgb> albedo;
+
+  static constexpr float kNothing = -1.0F;
+  bool has_light() const { return !light.empty(); }
+  bool remembers(int x, int y) const { return inverse_depth(x, y) >= 0.0F; }
+};
+
+struct ViewMemory {
+  Pose world_from_view;
+  PixelGrid grid;
+  Cache now, then;  ///< of the last frame, and room for the one before
+};
+
+struct RayRecord final : HistoryRecord {
+  std::vector<ViewMemory> views;  ///< empty: nothing is remembered
+  const void* scene = nullptr;    ///< whose light this is; only compared
+  unsigned wanted = 0;            ///< PlaneFlag bits the caches have
+  std::uint32_t clock = 0;        ///< advances as AgeRule says
+};
+
+/// Sizes the cache's planes; contents are lost where the size changes.
+void prepare_cache(Cache& cache, int width, int height, bool has_light, unsigned wanted);
+
+}  // namespace macula::kernels::ray

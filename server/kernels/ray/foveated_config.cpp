@@ -1,0 +1,21 @@
+#include "server/kernels/ray/foveated_config.h"
+
+namespace macula::kernels::ray {
+
+FoveatedConfig paper_literal() {
+  FoveatedConfig config;
+  config.method = Method::Foveated;
+  config.mask = MaskKind::Independent;
+  config.warp = WarpKind::Mesh;
+  config.filter = HistoryFilter::NormalTaps;
+  config.resampling = ResamplingRule::Neighbours;
+  config.grazing = GrazingRule::CameraAxis;
+  config.weight = WeightRule::AtMostLimit;
+  config.fresh = FreshRule::Replace;
+  config.age = AgeRule::AllFrames;
+  config.clipping = Clipping::Off;
+  config.most_resampled = 1.0F;
+  return config;
+}
+
+}  // namespace macula::kernels::ray
