@@ -16,6 +16,7 @@
 #include "tests/bench/compare.h"
 #include "tests/bench/contact_sheet.h"
 #include "tests/bench/motion.h"
+#include "tests/bench/ray.h"
 #include "tests/bench/sphere.h"
 #include "tests/bench/still.h"
 
@@ -298,12 +299,65 @@ Run declare_sphere(CLI::App& command) {
   };
 }
 
+Run declare_ray(CLI::App& command) {
+  auto options = std::make_shared<RayOptions>();
+  auto size = std::make_shared<std::string>();
+  command.add_option("--scene", options->scene, "Built-in scene or scene file")
+      ->required()
+      ->option_text("NAME|FILE");
+  command.add_option("--lighting", options->lightings, "Which of the paper's, with commas between")
+      ->delimiter(',')
+      ->option_text("point,area8,ao16");
+  command.add_option("--preset", options->presets, "Foveal regions, with commas between")
+      ->delimiter(',')
+      ->option_text("small,medium,large,full");
+  command.add_option("--grid", options->grids, "Where pictures are sampled")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"uniform", "foveal"}))
+      ->option_text("uniform,foveal");
+  command.add_option("--size", *size, "Pixels (1182x1464)")->option_text("WxH");
+  command.add_option("--frames", options->frames, "Of the moving path, at 75 Hz")
+      ->check(CLI::Range(10, 100'000))
+      ->option_text("N (48)");
+  command.add_option("--key-frames", options->key_frames, "Frames that are judged")
+      ->check(CLI::Range(1, 64))
+      ->option_text("N (4)");
+  command
+      .add_option("--reference-samples", options->reference_samples,
+                  "Primary samples a pixel of each half-reference")
+      ->check(CLI::Range(1, 1 << 16))
+      ->option_text("N (64)");
+  command.add_flag("--quick", options->quick,
+                   "591x732, 24 frames, preset medium on the raster, two key frames");
+  command.add_flag("--paper-literal", options->paper_literal, "Every form as the paper prints it");
+  command.add_flag("--post-filter", options->post_filter,
+                   "Resampled cells take their neighbours' light");
+  command.add_option("--seed", options->seed, "Of every random number")->option_text("N (1)");
+  command.add_option("--threads", options->threads, "0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N (0)");
+  command.add_option("--references", options->references, "Where half-references are kept")
+      ->option_text("DIR (~/.cache/macula-bench)");
+  command.add_option("--pictures", options->pictures, "Write the last key frame's pictures here")
+      ->option_text("DIR");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  return [options, size]() -> Result<void> {
+    if (!size->empty()) {
+      const auto pixels = parse_size("--size", *size);
+      if (!pixels) return base::forward(pixels);
+      options->width_px = pixels->width_px, options->height_px = pixels->height_px;
+    }
+    return run_ray(*options);
+  };
+}
+
 constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
+    {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},
 };
 
 int complain(const Error& error) {
