@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/kernels/frame_buffers.h"
 #include "server/kernels/history.h"
 #include "shared/foveation/pixel_grid.h"
 #include "shared/image/color.h"
@@ -52,7 +53,8 @@ struct Cache {
 struct ViewMemory {
   Pose world_from_view;
   PixelGrid grid;
-  Cache now, then;  ///< of the last frame, and room for the one before
+  Cache now, then;    ///< of the last frame, and room for the one before
+  ViewBuffers fresh;  ///< room for a frame's samples
 };
 
 struct RayRecord final : HistoryRecord {

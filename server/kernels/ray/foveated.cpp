@@ -47,7 +47,8 @@ class Stage {
 /// Area and ambient light are estimated by chance and remembered on their own.
 bool has_sampled_light(const SceneFrame& scene, const Config& config) {
   const bool ambient = config.ambient_samples > 0 && scene.plan().has(scene::Step::Ambient);
-  return ambient || !scene.lights().emissive().empty();
+  return ambient || scene.plan().has(scene::Step::Environment) ||
+         !scene.lights().emissive().empty();
 }
 
 /// One view of one frame.
@@ -67,7 +68,8 @@ class ViewFrame {
         context_(view_, scene, config, request,
                  (out.wanted & kRemembered) | kNormal | (has_light_ ? kLight : 0U)),
         support_(view_.grid, config.foveated.support_spacing),
-        mask_(support_, view_.grid.width(), view_.grid.height()) {}
+        mask_(support_, view_.grid.width(), view_.grid.height()),
+        fresh_(memory_.fresh) {}
 
   FrameReport run(Motion scene_motion) {
     Outcome outcome = trace_support();
@@ -84,7 +86,7 @@ class ViewFrame {
   Outcome trace_support() {
     prepare_fresh();
     mask_.mark_support();
-    const Outcome outcome = trace(mask_.cells(true));
+    const Outcome outcome = trace(mask_.support_cells());
     if (outcome == Outcome::Completed) support_.fill(fresh_, config_.foveated);
     return outcome;
   }
@@ -92,6 +94,7 @@ class ViewFrame {
   void prepare_fresh() {
     FrameBuffers buffers;
     buffers.wanted = context_.wanted;
+    buffers.views.push_back(std::move(fresh_));
     prepare_buffers({&view_, 1}, buffers);
     fresh_ = std::move(buffers.views.front());
   }
@@ -157,17 +160,18 @@ class ViewFrame {
       weigh_by_rate(probability, scores);
     }
     mask_.resample(scores, request_.frame, config_.foveated, scheduler_);
-    cells_ = mask_.cells(false);
+    cells_ = mask_.other_cells(scheduler_);
     report_.mask_ms += scheduling::thread_cpu_ms() - begin;
     report_.resampled_cells += mask_.counts().resampled;
     return trace(cells_);
   }
   /// What is urgent is the more so the better the eye sees there.
   void weigh_by_rate(const Probability& probability, Plane<float>& scores) const {
-    std::vector<float> rate(view_.grid.width());
     for (int j = 0; j < scores.height(); ++j) {
-      probability.row(support_.y.cells[j], rate);
-      for (int i = 0; i < scores.width(); ++i) scores(i, j) *= rate[support_.x.cells[i]];
+      for (int i = 0; i < scores.width(); ++i) {
+        if (scores(i, j) <= 0.0F) continue;
+        scores(i, j) *= probability.at(support_.x.cells[i], support_.y.cells[j]);
+      }
     }
   }
 
@@ -175,7 +179,7 @@ class ViewFrame {
     const MergeJob job{view_,         support_, mask_,         fresh_, config_.foveated,
                        record_.clock, motion_,  request_.frame};
     for (const bool support : {true, false}) {
-      const std::vector<image::Pixel> cells = support ? mask_.cells(true) : std::move(cells_);
+      const std::vector<image::Pixel> cells = support ? mask_.support_cells() : std::move(cells_);
       constexpr std::size_t kBatch = kTileSide * kTileSide;
       const Outcome outcome =
           Stage(scheduler_, report_.cache_ms)
@@ -217,7 +221,7 @@ class ViewFrame {
   ViewContext context_;
   Support support_;
   SamplingMask mask_;
-  ViewBuffers fresh_;
+  ViewBuffers& fresh_;
   FrameReport report_;
   Motion motion_ = Motion::Moving;
   bool remembers_ = false;

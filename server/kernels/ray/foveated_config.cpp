@@ -5,6 +5,7 @@ namespace macula::kernels::ray {
 FoveatedConfig paper_literal() {
   FoveatedConfig config;
   config.method = Method::Foveated;
+  config.color_age = {0.1F, 0.9F, 8};
   config.mask = MaskKind::Independent;
   config.warp = WarpKind::Mesh;
   config.filter = HistoryFilter::NormalTaps;

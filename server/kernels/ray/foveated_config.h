@@ -47,8 +47,8 @@ enum class PostFilter { Off, On };
 /// Limits of a new sample's weight by the age of what it meets, section 3.4.
 struct AgeLimits {
   float least = 0.1F;  ///< k_min, in (0, most]
-  float most = 0.9F;   ///< k_max, in [least, 1]
-  int full_age = 8;    ///< t_max in frames: from this age on the weight is `most`
+  float most = 0.5F;   ///< k_max, in [least, 1]
+  int full_age = 16;   ///< t_max in frames: from this age on the weight is `most`
 };
 
 struct FoveatedConfig {
@@ -62,7 +62,7 @@ struct FoveatedConfig {
   AgeLimits light_age{0.05F, 0.5F, 16};  ///< of light that is estimated by chance
   float fovea_weight = 0.2F;             ///< least weight where every cell is traced, (0, 1]
   float clip_fovea = 1.0F, clip_outside = 2.0F;  ///< standard deviations
-  float most_resampled = 0.3F;                   ///< share of a frame's primary rays, [0, 1)
+  float most_resampled = 0.15F;                  ///< share of a frame's primary rays, [0, 1)
   int post_probes = 8;                           ///< n of section 3.5
 
   MaskKind mask = MaskKind::BlueNoise;

@@ -23,10 +23,29 @@ Rgb rgb_from_ycocg(const Rgb& c) {
   return {base + c.y, c.x + c.z, base - c.y};
 }
 
+/// least_weight() of every age below the full one.
+class LimitTable {
+ public:
+  explicit LimitTable(const AgeLimits& limits) : most_(least_weight(limits, ~0U)) {
+    for (int age = 0; age < limits.full_age; ++age) {
+      weights_.push_back(least_weight(limits, static_cast<std::uint32_t>(age)));
+    }
+  }
+  float at(std::uint32_t age) const { return age < weights_.size() ? weights_[age] : most_; }
+
+ private:
+  float most_;
+  std::vector<float> weights_;
+};
+
 /// One cell's part of the cache update.
 class Update {
  public:
-  Update(const MergeJob& job, Cache& cache) : job_(job), cache_(cache) {}
+  Update(const MergeJob& job, Cache& cache)
+      : job_(job),
+        cache_(cache),
+        color_limits_(job.config.color_age),
+        light_limits_(job.config.light_age) {}
 
   void cell(int x, int y) {
     CacheInfo& info = cache_.info(x, y);
@@ -79,15 +98,13 @@ class Update {
   void blend(int x, int y, Reason reason, CacheInfo& info) {
     const std::uint32_t age = job_.clock - info.touched;
     const bool full_rate = reason == Reason::Fovea && age > 0;
-    const float limit =
-        full_rate ? job_.config.fovea_weight : least_weight(job_.config.color_age, age);
+    const float limit = full_rate ? job_.config.fovea_weight : color_limits_.at(age);
     const float alpha = weight(info.samples, limit, job_.config.weight);
     Texel& color = cache_.color(x, y);
     color = mix(clipped(x, y, reason, color), fresh_color(x, y), alpha);
     info.samples = samples_after(info.samples, alpha);
     if (!cache_.has_light()) return;
-    const float light_alpha =
-        weight(info.light_samples, least_weight(job_.config.light_age, age), job_.config.weight);
+    const float light_alpha = weight(info.light_samples, light_limits_.at(age), job_.config.weight);
     cache_.reflectance(x, y) = mix(cache_.reflectance(x, y), job_.fresh.reflectance(x, y), alpha);
     cache_.light(x, y) = mix(cache_.light(x, y), job_.fresh.light(x, y), light_alpha);
     info.light_samples = samples_after(info.light_samples, light_alpha);
@@ -122,6 +139,7 @@ class Update {
 
   const MergeJob& job_;
   Cache& cache_;
+  LimitTable color_limits_, light_limits_;
 };
 
 /// Bilinear between the support cells, whose own cache is up to date.

@@ -20,6 +20,17 @@ float threshold(int x, int y, std::uint64_t frame, std::uint64_t seed, MaskKind 
   return sampling::sample(seed, frame, cell, kDimension);
 }
 
+/// body(rectangle) for squares of `side` that cover an area, row by row.
+template <class Body>
+void for_each_block(const image::Rect& area, int side, const Body& body) {
+  for (int y = area.y; y < area.y + area.height; y += side) {
+    for (int x = area.x; x < area.x + area.width; x += side) {
+      body(image::Rect{x, y, std::min(side, area.x + area.width - x),
+                       std::min(side, area.y + area.height - y)});
+    }
+  }
+}
+
 /// First cell of every quad along an axis, and the end.
 std::vector<int> quad_starts(const SupportAxis& axis) {
   std::vector<int> starts;
@@ -33,27 +44,29 @@ std::vector<int> quad_starts(const SupportAxis& axis) {
 }  // namespace
 
 Probability::Probability(const FoveationMap::ViewInput& view, const foveation::RateModel& model)
-    : view_(view) {
+    : view_(view),
+      gaze_(glm::normalize(view.gaze.direction)),
+      per_area_(
+          static_cast<float>(1.0 / (view.nominal_pixel_tangent.x * view.nominal_pixel_tangent.y))) {
   for (int i = 0; i <= kTableSize; ++i) {
     const double half_sine = static_cast<double>(i) / kTableSize;
     rates_.push_back(static_cast<float>(model.rate(Radians{2.0 * std::asin(half_sine)})));
   }
 }
 
+float Probability::at(int x, int y) const {
+  const Vec3 ray = view_.grid.ray(x, y);
+  const float cosine = glm::dot(gaze_, ray) / glm::length(ray);
+  const float half_sine = std::sqrt(std::clamp(0.5F - 0.5F * cosine, 0.0F, 1.0F));
+  const float rate = rates_[static_cast<std::size_t>(half_sine * kTableSize)];
+  const Vec2 cell = view_.grid.footprint(x, y);
+  // A cell of nominal size is 1 to rounding: as full as it can be.
+  const float area = std::max(cell.x * cell.y * per_area_, 0.0F);
+  return std::min(rate * (std::abs(area - 1.0F) < 1e-3F ? 1.0F : area), 1.0F);
+}
+
 void Probability::row(int y, std::span<float> out) const {
-  const Vec3 gaze = glm::normalize(view_.gaze.direction);
-  const DVec2& nominal = view_.nominal_pixel_tangent;
-  const auto per_area = static_cast<float>(1.0 / (nominal.x * nominal.y));
-  for (int x = 0; x < static_cast<int>(out.size()); ++x) {
-    const Vec3 ray = view_.grid.ray(x, y);
-    const float cosine = glm::dot(gaze, ray) / glm::length(ray);
-    const float half_sine = std::sqrt(std::clamp(0.5F - 0.5F * cosine, 0.0F, 1.0F));
-    const float rate = rates_[static_cast<std::size_t>(half_sine * kTableSize)];
-    const Vec2 cell = view_.grid.footprint(x, y);
-    // A cell of nominal size is 1 to rounding: as full as it can be.
-    const float area = std::max(cell.x * cell.y * per_area, 0.0F);
-    out[x] = std::min(rate * (std::abs(area - 1.0F) < 1e-3F ? 1.0F : area), 1.0F);
-  }
+  for (int x = 0; x < static_cast<int>(out.size()); ++x) out[x] = at(x, y);
 }
 
 SamplingMask::SamplingMask(const Support& support, int width, int height)
@@ -159,32 +172,45 @@ void SamplingMask::resample(const Plane<float>& scores, std::uint64_t frame,
   for (const std::size_t part : parts) counts_.resampled += part;
 }
 
-std::vector<image::Pixel> SamplingMask::cells(bool support) const {
-  constexpr int kOuter = 64, kMiddle = 16, kInner = 4;
+std::vector<image::Pixel> SamplingMask::support_cells() const {
   std::vector<image::Pixel> list;
-  list.reserve(counts_.chance + counts_.resampled);
-  const int width = reasons_.width(), height = reasons_.height();
-  const auto blocks = [](image::Rect area, int side, const auto& body) {
-    for (int y = area.y; y < area.y + area.height; y += side) {
-      for (int x = area.x; x < area.x + area.width; x += side) {
-        body(image::Rect{x, y, std::min(side, area.x + area.width - x),
-                         std::min(side, area.y + area.height - y)});
+  list.reserve(support_.x.cells.size() * support_.y.cells.size());
+  for_each_block({0, 0, support_.x.count(), support_.y.count()}, 4, [&](const image::Rect& block) {
+    for (int j = block.y; j < block.y + block.height; ++j) {
+      for (int i = block.x; i < block.x + block.width; ++i) {
+        list.push_back({support_.x.cells[i], support_.y.cells[j]});
       }
     }
-  };
-  blocks({0, 0, width, height}, kOuter, [&](const image::Rect& outer) {
-    blocks(outer, kMiddle, [&](const image::Rect& middle) {
-      blocks(middle, kInner, [&](const image::Rect& inner) {
-        for (int y = inner.y; y < inner.y + inner.height; ++y) {
-          for (int x = inner.x; x < inner.x + inner.width; ++x) {
-            const Reason reason = reasons_(x, y);
-            if (reason == Reason::None) continue;
-            if ((reason == Reason::Support) == support) list.push_back({x, y});
+  });
+  return list;
+}
+
+/// Blocks within blocks, so that a packet's and a batch's cells are neighbours however sparse.
+std::vector<image::Pixel> SamplingMask::other_cells(TileScheduler& scheduler) const {
+  constexpr int kOuter = 64, kMiddle = 16, kInner = 4;
+  const int width = reasons_.width(), height = reasons_.height();
+  std::vector<std::vector<image::Pixel>> bands(static_cast<std::size_t>(height + kOuter - 1) /
+                                               kOuter);
+  scheduler.run(bands.size(), [&](std::size_t band) {
+    const int top = static_cast<int>(band) * kOuter;
+    const image::Rect strip{0, top, width, std::min(kOuter, height - top)};
+    for_each_block(strip, kOuter, [&](const image::Rect& outer) {
+      for_each_block(outer, kMiddle, [&](const image::Rect& middle) {
+        for_each_block(middle, kInner, [&](const image::Rect& inner) {
+          for (int y = inner.y; y < inner.y + inner.height; ++y) {
+            for (int x = inner.x; x < inner.x + inner.width; ++x) {
+              const Reason reason = reasons_(x, y);
+              if (reason != Reason::None && reason != Reason::Support)
+                bands[band].push_back({x, y});
+            }
           }
-        }
+        });
       });
     });
   });
+  std::vector<image::Pixel> list;
+  list.reserve(counts_.chance + counts_.resampled);
+  for (const auto& band : bands) list.insert(list.end(), band.begin(), band.end());
   return list;
 }
 

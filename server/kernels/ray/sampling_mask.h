@@ -23,10 +23,13 @@ enum class Reason : std::uint8_t { None, Support, Fovea, Chance, Resampled };
 class Probability {
  public:
   explicit Probability(const FoveationMap::ViewInput& view, const foveation::RateModel& model);
+  float at(int x, int y) const;
   void row(int y, std::span<float> out) const;
 
  private:
   const FoveationMap::ViewInput& view_;
+  Vec3 gaze_;
+  float per_area_;  ///< nominal pixels in a unit of the tangent plane
   std::vector<float> rates_;
 };
 
@@ -54,8 +57,9 @@ class SamplingMask {
   bool traced(int x, int y) const { return reasons_(x, y) != Reason::None; }
   bool contains(int x, int y) const { return reasons_.contains(x, y); }
   const MaskCounts& counts() const { return counts_; }
-  /// Cells of the given kind in an order in which near cells follow each other.
-  std::vector<image::Pixel> cells(bool support) const;
+  /// The traced cells, near ones after each other: the support, and all others.
+  std::vector<image::Pixel> support_cells() const;
+  std::vector<image::Pixel> other_cells(TileScheduler& scheduler) const;
 
  private:
   struct Cutoff {

@@ -37,6 +37,7 @@ class TileRun {
   TileRun(const ViewContext& context, std::span<const image::Pixel> cells, ViewBuffers& out)
       : context_(context), out_(out) {
     for (const image::Pixel& cell : cells) add_cell(cell.x, cell.y);
+    points_.keeps_whole = context.scene.plan().has(scene::Step::Environment);
   }
 
   FrameReport run() {

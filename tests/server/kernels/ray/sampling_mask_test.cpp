@@ -124,7 +124,7 @@ TEST(SamplingMask, ResamplingStaysWithinItsBudgetAndPrefersTheForgotten) {
   const Plane<float> everything(support.broken.width(), support.broken.height(), 2.0F);
   mask.resample(everything, 3, config, scheduler);
   const auto& counts = mask.counts();
-  const double chosen = static_cast<double>(counts.chance + mask.cells(true).size());
+  const double chosen = static_cast<double>(counts.chance + mask.support_cells().size());
   const double share =
       static_cast<double>(counts.resampled) / (static_cast<double>(counts.resampled) + chosen);
   EXPECT_LE(share, config.most_resampled);
