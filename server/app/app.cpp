@@ -65,6 +65,7 @@ kernels::KernelOptions kernel_options(const Options& options) {
   kernels::KernelOptions kernel;
   kernel.area_light_samples = options.area_samples;
   kernel.ambient_samples = options.ambient_samples;
+  kernel.reuse = options.reuse ? kernels::Reuse::EarlierFrames : kernels::Reuse::Nothing;
   return kernel;
 }
 

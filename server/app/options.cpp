@@ -53,6 +53,8 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--threads", options.threads, "Render threads; 0 = every core")
       ->capture_default_str();
+  app.add_flag("--reuse", options.reuse,
+               "Kernel ray: trace as densely as --rate-model asks, remember the other cells");
   app.add_flag("--verbose", options.verbose, "Log sessions and, every 5 s, rates and stage times");
 }
 
@@ -128,6 +130,7 @@ std::string describe(const Options& o) {
        << "\nguard_deg = " << o.guard_deg << "\nquality = " << o.quality
        << "\ncodec = " << quoted(o.codec) << "\narea_samples = " << o.area_samples
        << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
+       << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
   return std::move(text).str();
 }

@@ -25,6 +25,7 @@ struct Options {
   int area_samples = 8;        ///< per primary sample, over all emissive triangles
   int ambient_samples = 4;     ///< per primary sample
   int threads = 0;             ///< 0: every core
+  bool reuse = false;          ///< kernel ray takes cells from earlier frames where they still hold
   bool explain = false, list_scenes = false, verbose = false;
 };
 

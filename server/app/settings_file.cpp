@@ -71,6 +71,7 @@ constexpr std::array kKeys{
     Key{"area_samples", apply<&Options::area_samples>},
     Key{"ambient_samples", apply<&Options::ambient_samples>},
     Key{"threads", apply<&Options::threads>},
+    Key{"reuse", apply<&Options::reuse>},
     Key{"verbose", apply<&Options::verbose>},
 };
 

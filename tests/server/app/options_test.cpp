@@ -52,7 +52,7 @@ TEST(Options, EveryOptionLandsInItsField) {
        "--keys",         "k",     "--target-ms",       "12.5",     "--rate-model", "sphere",
        "--oversampling", "1.5",   "--codec",           "lossless", "--quality",    "70",
        "--area-samples", "3",     "--ambient-samples", "0",        "--threads",    "2",
-       "--guard-deg",    "7.5",   "--explain",         "--verbose"});
+       "--guard-deg",    "7.5",   "--explain",         "--reuse",  "--verbose"});
   EXPECT_EQ(o.scene, "posts");
   EXPECT_EQ(o.kernel, "brute");
   EXPECT_EQ(o.bind, "tcp://*:1");
@@ -66,7 +66,7 @@ TEST(Options, EveryOptionLandsInItsField) {
   EXPECT_EQ(o.area_samples, 3);
   EXPECT_EQ(o.ambient_samples, 0);
   EXPECT_EQ(o.threads, 2);
-  EXPECT_TRUE(o.explain && o.verbose && !o.list_scenes);
+  EXPECT_TRUE(o.explain && o.reuse && o.verbose && !o.list_scenes);
 }
 
 TEST(Options, HelpShowsOptionsAndExamples) {
