@@ -39,6 +39,7 @@ Vec3 lamp_place(const kernels::SceneFrame& scene, const Pose& eye) {
 
 void switch_off(scene::Scene& scene) {
   scene.lights.clear();
+  scene.environment.reset();
   scene.settings.ambient = Rgb{0.0F};
   for (scene::Material& material : scene.materials) {
     material.emission = Rgb{0.0F};
