@@ -138,7 +138,7 @@ class RowRun {
     Made made = render(foveated_, pose, grid_, setting_.display, frame, history_);
     if (frame >= kWarmUp) {
       foveated_spent_.add(made.lap, made.report);
-      kernels::add_work(stages_, made.report);
+      stages_ += made.report;
     }
     return std::move(made.radiance);
   }
