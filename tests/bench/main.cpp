@@ -358,7 +358,6 @@ constexpr Experiment kExperiments[] = {
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},
-    {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
 };
 
 int complain(const Error& error) {
