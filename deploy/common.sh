@@ -18,7 +18,7 @@ configure() {  # configure PRESET [cmake options...]
   }
 }
 
-configure_and_build() {  # configure_and_build PRESET
-  configure "$1"
+configure_and_build() {  # configure_and_build PRESET [cmake options...]
+  configure "$@"
   cmake --build --preset "$1"
 }

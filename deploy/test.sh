@@ -36,11 +36,11 @@ run_ctest release ""
 [ "$depth" = fast ] && exit 0
 
 # Sanitizers watch the code, not its figures: long renderings and measured times stay out unless --full.
-skip=slow unmeasured=(-E FindsThirtyMilliseconds)
-[ "$depth" = full ] && skip="" unmeasured=()
+skip=slow unmeasured=(-E FindsThirtyMilliseconds) pictures=OFF
+[ "$depth" = full ] && skip="" unmeasured=() pictures=ON
 
 say "address and undefined-behaviour sanitizers"
-configure_and_build asan
+configure_and_build asan -DMACULA_SANITIZE_PICTURES=$pictures
 export ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBSAN_OPTIONS=print_stacktrace=1
 run_ctest asan "$skip" "${unmeasured[@]}"
 
