@@ -249,6 +249,7 @@ RTCGeometry Builder::add_instance(scene::Index index, RTCScene child, const DMat
     state.world_normal_from_embree[index] = Mat3(normal_matrix(DMat3(transform)));
   rtcAttachGeometryByID(state.top.get(), geometry, index);
   rtcReleaseGeometry(geometry);
+  state.has_instances = true;
   return geometry;
 }
 

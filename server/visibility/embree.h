@@ -12,6 +12,11 @@
 
 namespace macula::visibility::embree {
 
+/// The widest packet of coherent rays that may ask for occlusion where there are instances. In
+/// Embree 3.13.5 as Debian 12 builds it, rtcOccluded16 stores 16 bits of lanes to be done and reads
+/// 64 back (its compiler's error): over instances it now and then never returns.
+inline constexpr int kWidestAmongInstances = RTC_VERSION_MAJOR >= 4 ? 16 : 8;
+
 #if RTC_VERSION_MAJOR >= 4
 inline RTCRayQueryFlags query_flags(Coherence coherence) {
   return coherence == Coherence::Coherent ? RTC_RAY_QUERY_FLAG_COHERENT

@@ -209,7 +209,8 @@ void TriangleScene::occluded(const RayStream& rays, OcclusionStream& result,
   if (coherence == Coherence::Incoherent && state_->scatters) {
     return occlude_scattered(rays, *state_, result);
   }
-  switch (state_->packet_width) {
+  const bool narrowed = coherence == Coherence::Coherent && state_->has_instances;
+  switch (std::min(state_->packet_width, narrowed ? embree::kWidestAmongInstances : 16)) {
     case 16:
       return occlude_stream<16>(rays, *state_, coherence, result);
     case 8:

@@ -62,6 +62,7 @@ struct SceneState {
   /// Id of the one instance that stands for all that never moves; its geometries have the indices.
   std::uint32_t still_id = RTC_INVALID_GEOMETRY_ID;
   int packet_width = 0;   ///< 0: no device
+  bool has_instances = false;
   bool scatters = false;  ///< incoherent occlusion rays go as one stream, not in packets
   /// Geometric normal of Embree (object space, by winding) to the world, towards the front face.
   std::vector<Mat3> world_normal_from_embree;  ///< by instance

@@ -92,7 +92,8 @@ Mesh window_wall() {
   Mesh mesh = tessellate("clerestory", face, {80, 2, Around::Open, {1.0F, 1.0F}});
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     mesh.texcoords[i] = Vec2{mesh.positions[i].x, -mesh.positions[i].y} / 2.0F;
-  append(mesh, mesh, rotation_y(Degrees{180.0}));
+  const Mesh front = mesh;
+  append(mesh, front, rotation_y(Degrees{180.0}));
   // The splay between both faces.
   append(mesh, tessellate("",
                           [&](float u, float v) {

@@ -228,6 +228,7 @@ Mesh tube(std::string name, std::span<const Vec3> path, float radius, int column
 }
 
 void append(Mesh& mesh, const Mesh& piece, const DMat4& mesh_from_piece) {
+  MACULA_CHECK(&mesh != &piece, "a mesh must not grow while it is copied from");
   const Index offset = static_cast<Index>(mesh.positions.size());
   const DMat3 turn(mesh_from_piece);
   for (const Vec3& position : piece.positions) {
