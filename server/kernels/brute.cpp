@@ -14,6 +14,7 @@ namespace macula::kernels {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::uint64_t kBlendDimension = 0x8000'0000U;  ///< RandomStream's start at 0
 
 /// One sample's random numbers, drawn in order.
 class RandomStream {
@@ -39,6 +40,15 @@ class Tracer {
  public:
   Tracer(const SceneFrame& scene, const KernelOptions& options)
       : scene_(scene), options_(options) {}
+
+  /// What follows belongs to this sample; its rays meet blended surfaces by chances of their own.
+  void begin(std::uint64_t key, int sample) {
+    blending_.value = math::hash_combine(math::hash_combine(key, sample), kBlendDimension);
+    rays_begun_ = 0;
+  }
+  visibility::BlendRule next_blend_rule() {
+    return visibility::blend_by_chance(sampling::sample_bits(blending_, 0, rays_begun_++));
+  }
 
   Vertex vertex(const shading::Surface& surface, const Vec3& to_eye) const {
     const auto model =
@@ -72,7 +82,8 @@ class Tracer {
   }
   bool open(const Vec3& origin, const Vec3& direction, float tfar) {
     ++shadow_rays;
-    return !scene_.triangles().occluded(visibility::Ray{origin, direction, 0.0F, tfar});
+    return !scene_.triangles().occluded(
+        visibility::Ray{origin, direction, 0.0F, tfar, next_blend_rule()});
   }
 
   Rgb from_punctual(const Vertex& vertex) {
@@ -174,7 +185,7 @@ class Tracer {
     const auto scattered = vertex.reflector.sample({u0, u1, u2});
     if (!scattered) return Rgb{0.0F};
     const auto hit = scene_.triangles().intersect(
-        visibility::Ray{leave(vertex), scattered->to_light, 0.0F, kInfinity});
+        visibility::Ray{leave(vertex), scattered->to_light, 0.0F, kInfinity, next_blend_rule()});
     if (!hit) return Rgb{0.0F};
     const shading::Surface surface =
         scene_.surfaces().at(hit->instance, hit->triangle, {hit->u, hit->v});
@@ -184,6 +195,8 @@ class Tracer {
 
   const SceneFrame& scene_;
   const KernelOptions& options_;
+  sampling::SampleKey blending_;
+  std::uint64_t rays_begun_ = 0;
 };
 
 /// One row of cells of one view.
@@ -231,11 +244,11 @@ class RowRun {
     }
   }
 
-  std::optional<visibility::Hit> trace(const Vec3& view_direction) {
+  std::optional<visibility::Hit> trace(const Vec3& view_direction, visibility::BlendRule rule) {
     ++report_.primary_rays;
     const Vec3 direction(view_.world_from_view.transform_direction(DVec3(view_direction)));
     return scene_.triangles().intersect(
-        visibility::Ray{Vec3(view_.world_from_view.position), direction, 0.0F, kInfinity});
+        visibility::Ray{Vec3(view_.world_from_view.position), direction, 0.0F, kInfinity, rule});
   }
   Rgb beyond(const Vec3& view_direction) const {
     const DVec3 direction = view_.world_from_view.transform_direction(DVec3(view_direction));
@@ -250,9 +263,10 @@ class RowRun {
 
   Rgb radiance(int x, int y, std::uint64_t key, int s) {
     RandomStream random(key, s);
+    tracer_.begin(key, s);
     const Vec2 at = sample_position(s, random);
     const Vec3 direction = view_.grid.ray(x, y, at.x, at.y);
-    const auto hit = trace(direction);
+    const auto hit = trace(direction, tracer_.next_blend_rule());
     if (!hit) return beyond(direction);
     const Vertex vertex = vertex_of(*hit);
     return vertex.emission + tracer_.reflected(vertex, options_.bounces, random);
@@ -270,9 +284,10 @@ class RowRun {
            static_cast<float>(side);
   }
 
-  /// The planes that cannot be averaged come from a ray of their own through the cell's centre.
+  /// The planes that cannot be averaged come from a ray of their own through the cell's centre,
+  /// which meets blended surfaces that are there by half.
   void write_centre(int x, int y) {
-    const auto hit = trace(view_.grid.ray(x, y));
+    const auto hit = trace(view_.grid.ray(x, y), visibility::blend_from(0.5F));
     out_.depth_m(x, y) = hit ? hit->t : kInfinity;
     if (wanted_ & kSurfaceId) out_.surface_id(x, y) = hit ? hit->instance + 1 : 0;
     if ((wanted_ & (kNormal | kAlbedo)) == 0) return;
@@ -333,6 +348,7 @@ void BruteKernel::shade(std::span<const SurfacePoint> points, const SceneFrame& 
     const float share = 1.0F / static_cast<float>(options_.samples_per_cell);
     for (int s = 0; s < options_.samples_per_cell; ++s) {
       RandomStream random(point.key, s);
+      tracer.begin(point.key, s);
       sum += share * tracer.reflected(vertex, options_.bounces, random);
     }
     out[i] = math::is_finite(sum) ? sum : Rgb{0.0F};

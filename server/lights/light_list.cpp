@@ -225,7 +225,7 @@ Rgb LightList::emission(std::uint32_t light, const Vec2& barycentric,
   const EmissiveTriangle& triangle = emissive_[light];
   if (!materials.textured(triangle.material)) return triangle.mean_emission;
   const shading::Surface surface = surfaces.at(triangle.instance, triangle.triangle, barycentric);
-  return materials.emission(triangle.material, surface.uv, 0.0F);
+  return materials.lamp_emission(triangle.material, surface.uv);
 }
 
 }  // namespace macula::lights

@@ -31,6 +31,11 @@ constexpr float sample(std::uint64_t seed, std::uint64_t frame, std::uint64_t ce
                        std::uint32_t dimension) {
   return sample(SampleKey(seed, frame, cell), dimension);
 }
+/// 32 bits for number `index` of a sequence that independent samples draw in one dimension.
+constexpr std::uint32_t sample_bits(SampleKey key, std::uint32_t dimension, std::uint64_t index) {
+  const std::uint64_t sequence = math::hash_combine(key.value, dimension);
+  return static_cast<std::uint32_t>(math::hash_combine(sequence, index) >> 32);
+}
 /// 32 bits for sobol_owen_2d: each pair of dimensions of a cell has its own scrambling.
 constexpr std::uint32_t scramble_seed(SampleKey key, std::uint32_t dimension) {
   return static_cast<std::uint32_t>(math::hash_combine(key.value, dimension) >> 32);

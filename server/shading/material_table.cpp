@@ -46,6 +46,8 @@ MaterialTable::MaterialTable(const scene::Scene& scene, const MaterialOptions& o
                 look_up(material.metallic_roughness_texture), look_up(material.emission_texture),
                 material.emission};
     if (entry.emission) entry.mean_emission *= Rgb(textures_[entry.emission->texture].mean());
+    const bool blends = material.alpha_mode == scene::AlphaMode::Blend;
+    if (blends && material.alpha > 0.0F) entry.mean_emission *= material.alpha;
     materials_.push_back(std::move(entry));
   }
 }
@@ -107,6 +109,18 @@ Rgb MaterialTable::emission(scene::Index material, const Vec2& uv, float footpri
   const Entry& entry = materials_[material];
   if (!entry.material.emits()) return Rgb{0.0F};
   return entry.material.emission * Rgb(read(entry.emission, uv, footprint_uv));
+}
+
+float MaterialTable::coverage(const Entry& entry, const Vec2& uv) const {
+  const scene::Material& m = entry.material;
+  if (m.alpha_mode == scene::AlphaMode::Opaque) return 1.0F;
+  const float alpha = m.alpha * read(entry.base_color, uv, 0.0F).w;
+  if (m.alpha_mode == scene::AlphaMode::Blend) return alpha;
+  return alpha >= m.alpha_cutoff ? 1.0F : 0.0F;
+}
+
+Rgb MaterialTable::lamp_emission(scene::Index material, const Vec2& uv) const {
+  return coverage(materials_[material], uv) * emission(material, uv, 0.0F);
 }
 
 const Rgb& MaterialTable::mean_emission(scene::Index material) const {

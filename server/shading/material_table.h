@@ -39,7 +39,10 @@ class MaterialTable {
   Bsdf bsdf(scene::Index material, const Rgb& base_color, MaterialModel model) const;
   /// Radiance leaving the front face, W/(sr m^2).
   Rgb emission(scene::Index material, const Vec2& uv, float footprint_uv) const;
-  /// The same averaged over the whole texture.
+  /// What a point drawn on a lamp shines with: emission times what alpha leaves of the surface
+  /// there, since rays that look for the lamp meet no more than that.
+  Rgb lamp_emission(scene::Index material, const Vec2& uv) const;
+  /// The same averaged over the whole emission texture, alpha's texture taken as 1.
   const Rgb& mean_emission(scene::Index material) const;
   bool emits(scene::Index material) const;
   bool textured(scene::Index material) const;
@@ -59,6 +62,8 @@ class MaterialTable {
   /// Once textures or pattern have been read.
   Bsdf make_bsdf(const scene::Material& material, const Rgb& base, float metallic,
                  float roughness) const;
+  /// Share of the surface that is there, in [0, 1].
+  float coverage(const Entry& entry, const Vec2& uv) const;
   Vec4 read(const std::optional<Lookup>& lookup, const Vec2& uv, float footprint_uv) const;
 
   MaterialOptions options_;

@@ -1,5 +1,7 @@
 // From a Scene to Embree's two levels.
+#include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "server/visibility/builder.h"
 
@@ -31,13 +33,28 @@ Mat3 flat_normal_matrix(const DMat3& linear) {
   return Mat3(determinant < 0.0 ? -1.0F : 1.0F);
 }
 
-/// Embree's filter callback: the surface is not there where alpha says so.
-void alpha_filter(const RTCFilterFunctionNArguments* call) {
-  const auto& test = *static_cast<const AlphaTest*>(call->geometryUserPtr);
+/// Embree's filter callback of masks: the surface is not there where alpha says so.
+void mask_filter(const RTCFilterFunctionNArguments* call) {
+  const AlphaTest& test = static_cast<const FilteredMesh*>(call->geometryUserPtr)->test;
   for (unsigned i = 0; i < call->N; ++i) {
     if (call->valid[i] != -1) continue;
     const float u = RTCHitN_u(call->hit, call->N, i), v = RTCHitN_v(call->hit, call->N, i);
     if (!test.is_there(RTCHitN_primID(call->hit, call->N, i), u, v)) call->valid[i] = 0;
+  }
+}
+
+/// The same where rays decide, each by the BlendRule that it carries as its id.
+void blend_filter(const RTCFilterFunctionNArguments* call) {
+  const auto& mesh = *static_cast<const FilteredMesh*>(call->geometryUserPtr);
+  const unsigned n = call->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (call->valid[i] != -1) continue;
+    const std::uint32_t instance = instance_of(RTCHitN_instID(call->hit, n, i, 0),
+                                               RTCHitN_geomID(call->hit, n, i), mesh.still_id);
+    if (!mesh.test.is_there(RTCHitN_primID(call->hit, n, i), RTCHitN_u(call->hit, n, i),
+                            RTCHitN_v(call->hit, n, i), RTCRayN_id(call->ray, n, i), instance)) {
+      call->valid[i] = 0;
+    }
   }
 }
 
@@ -177,13 +194,15 @@ AlphaUse Builder::alpha_of(const scene::Mesh& mesh) const {
   if (options_.alpha_test == scene::StepUse::LeftOut) return AlphaUse::AlwaysThere;
   const AlphaUse use = alpha_use(scene_, mesh);
   const bool forced = options_.alpha_test == scene::StepUse::Forced;
-  return forced && use == AlphaUse::AlwaysThere ? AlphaUse::PerTexel : use;
+  return forced && use == AlphaUse::AlwaysThere ? AlphaUse::PerPoint : use;
 }
 
-const AlphaTest& Builder::alpha_test(scene::Index mesh) {
-  auto& known = device_.alpha_tests[mesh];
-  if (known == nullptr) known = std::make_unique<AlphaTest>(scene_, scene_.meshes[mesh]);
-  return *known;
+FilteredMesh& Builder::filtered(scene::Index mesh) {
+  const auto known = device_.filtered.find(mesh);
+  if (known != device_.filtered.end()) return known->second;
+  const auto still_id = static_cast<std::uint32_t>(scene_.instances.size());
+  FilteredMesh made{AlphaTest(scene_, scene_.meshes[mesh]), still_id};
+  return device_.filtered.emplace(mesh, std::move(made)).first->second;
 }
 
 RTCGeometry Builder::new_triangles(scene::Index mesh_index, std::span<const Vec3> positions,
@@ -195,10 +214,12 @@ RTCGeometry Builder::new_triangles(scene::Index mesh_index, std::span<const Vec3
                                            : build_quality(options_.quality));
   copy_vertices(geometry, positions, transform);
   copy_triangles(geometry, mesh);
-  if (alpha_of(mesh) == AlphaUse::PerTexel) {
-    rtcSetGeometryUserData(geometry, const_cast<AlphaTest*>(&alpha_test(mesh_index)));
-    rtcSetGeometryIntersectFilterFunction(geometry, alpha_filter);
-    rtcSetGeometryOccludedFilterFunction(geometry, alpha_filter);
+  if (alpha_of(mesh) == AlphaUse::PerPoint) {
+    FilteredMesh& asked = filtered(mesh_index);
+    const RTCFilterFunctionN filter = asked.test.blends() ? blend_filter : mask_filter;
+    rtcSetGeometryUserData(geometry, &asked);
+    rtcSetGeometryIntersectFilterFunction(geometry, filter);
+    rtcSetGeometryOccludedFilterFunction(geometry, filter);
   }
   rtcCommitGeometry(geometry);
   return geometry;
@@ -259,6 +280,10 @@ std::unique_ptr<SceneState> new_state(const scene::Scene& scene, const Options& 
   state->packet_width = packet_width(device->device, options.packets);
   state->scatters =
       options.packets == PacketWidth::Device && scene.triangle_count() >= kLeastForStreams;
+  state->blends = options.alpha_test != scene::StepUse::LeftOut &&
+                  std::ranges::any_of(scene.meshes, [&scene](const scene::Mesh& mesh) {
+                    return blends(scene, mesh);
+                  });
   state->world_normal_from_embree.assign(scene.instances.size(), Mat3(1.0F));
   state->device = std::move(device);
   return state;
@@ -305,6 +330,9 @@ TriangleScene::TriangleScene(std::unique_ptr<SceneState> state) : state_(std::mo
 TriangleScene::~TriangleScene() = default;
 bool TriangleScene::has_device() const {
   return state_->device != nullptr;
+}
+bool TriangleScene::blends() const {
+  return state_->blends;
 }
 int TriangleScene::packet_width() const {
   return state_->packet_width;

@@ -38,7 +38,7 @@ class Builder {
 
  private:
   AlphaUse alpha_of(const scene::Mesh& mesh) const;
-  const AlphaTest& alpha_test(scene::Index mesh);
+  FilteredMesh& filtered(scene::Index mesh);
 
   const scene::Scene& scene_;
   const Options options_;

@@ -79,7 +79,8 @@ void set_constants(EmbreeRay& ray) {
 }
 
 template <int kWidth>
-Valid<kWidth> load_rays(const RayStream& rays, int first, typename Packet<kWidth>::Ray& out) {
+Valid<kWidth> load_rays(const RayStream& rays, const SceneState& state, int first,
+                        typename Packet<kWidth>::Ray& out) {
   static_assert(kStreamCapacity % kWidth == 0);
   const int n = std::min(kWidth, rays.count - first);
   load<kWidth>(out.org_x, rays.ox + first, n);
@@ -90,6 +91,7 @@ Valid<kWidth> load_rays(const RayStream& rays, int first, typename Packet<kWidth
   load<kWidth>(out.dir_z, rays.dz + first, n);
   load<kWidth>(out.tnear, rays.tnear + first, n);
   load<kWidth>(out.tfar, rays.tfar + first, n);
+  if (state.blends) copy_lanes<kWidth>(rays.blend + first, n, lanes(out.id));
   Valid<kWidth> valid;
   for (int i = 0; i < kWidth; ++i) {
     const int ray = first + i;
@@ -115,8 +117,7 @@ void store_hit(RayHit& in, int lane, const SceneState& state, HitStream& out, in
   out.instance[i] = kNothing;
   if (geometry == RTC_INVALID_GEOMETRY_ID) return;
   const std::uint32_t outer = lanes(in.hit.instID[0])[lane];
-  const bool by_its_triangles = outer == RTC_INVALID_GEOMETRY_ID || outer == state.still_id;
-  out.instance[i] = by_its_triangles ? geometry : outer;
+  out.instance[i] = instance_of(outer, geometry, state.still_id);
   out.triangle[i] = lanes(in.hit.primID)[lane];
   out.t[i] = lanes(in.ray.tfar)[lane];
   out.u[i] = lanes(in.hit.u)[lane];
@@ -135,7 +136,7 @@ void intersect_stream(const RayStream& rays, const SceneState& state, Coherence 
   set_constants<kWidth>(packet.ray);
   for (int first = 0; first < rays.count; first += kWidth) {
     const int n = std::min(kWidth, rays.count - first);
-    const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet.ray);
+    const Valid<kWidth> valid = load_rays<kWidth>(rays, state, first, packet.ray);
     clear_ids(packet.hit, n);
     if (valid.any != 0) call.trace(valid.lane, state.top.get(), packet);
     for (int i = 0; i < n; ++i) store_hit(packet, i, state, hits, first + i);
@@ -149,7 +150,7 @@ void occlude_stream(const RayStream& rays, const SceneState& state, Coherence co
   typename Packet<kWidth>::Ray packet{};
   set_constants<kWidth>(packet);
   for (int first = 0; first < rays.count; first += kWidth) {
-    const Valid<kWidth> valid = load_rays<kWidth>(rays, first, packet);
+    const Valid<kWidth> valid = load_rays<kWidth>(rays, state, first, packet);
     if (valid.any != 0) call.trace(valid.lane, state.top.get(), packet);
     std::uint8_t occluded[kWidth];
     for (int i = 0; i < kWidth; ++i) {
@@ -167,24 +168,26 @@ RTCRay single_ray(const RayStream& rays, int i) {
   ray.dir_x = rays.dx[i], ray.dir_y = rays.dy[i], ray.dir_z = rays.dz[i];
   ray.tnear = rays.tnear[i], ray.tfar = rays.tfar[i];
   ray.mask = ~0U;
-  ray.id = static_cast<unsigned>(i);
+  ray.id = rays.blend[i];
   return ray;
 }
 
 /// Rays without common directions: as single rays, but all at once. Idle ones stay behind.
 void occlude_scattered(const RayStream& rays, const SceneState& state, OcclusionStream& result) {
   alignas(64) RTCRay running[kStreamCapacity];
+  int place[kStreamCapacity];  // of a running ray in the stream
   unsigned count = 0;
   for (int i = 0; i < rays.count; ++i) {
     result.occluded[i] = 0;
     if (rays.tnear[i] <= rays.tfar[i] && is_finite_ray(rays, i)) {
+      place[count] = i;
       running[count++] = single_ray(rays, i);
     }
   }
   embree::OccludedCall(Coherence::Incoherent).trace(state.top.get(), running, count);
   for (unsigned k = 0; k < count; ++k) {
     if (running[k].tfar == -std::numeric_limits<float>::infinity()) {
-      result.occluded[running[k].id] = 1;
+      result.occluded[place[k]] = 1;
     }
   }
 }
@@ -226,7 +229,7 @@ std::optional<Hit> TriangleScene::intersect(const Ray& ray) const {
   if (state_->packet_width == 0) return std::nullopt;
   RayStream rays;
   HitStream hits;
-  rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar);
+  rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar, ray.blend);
   intersect_stream<1>(rays, *state_, Coherence::Incoherent, hits);
   if (!hits.hit(0)) return std::nullopt;
   return Hit{hits.t[0], hits.u[0], hits.v[0], hits.normal(0), hits.instance[0], hits.triangle[0]};
@@ -236,7 +239,7 @@ bool TriangleScene::occluded(const Ray& ray) const {
   if (state_->packet_width == 0) return false;
   RayStream rays;
   OcclusionStream result;
-  rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar);
+  rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar, ray.blend);
   occlude_stream<1>(rays, *state_, Coherence::Incoherent, result);
   return result.occluded[0] != 0;
 }

@@ -13,6 +13,19 @@ namespace macula::visibility {
 inline constexpr int kStreamCapacity = 256;
 inline constexpr std::uint32_t kNothing = 0xFFFFFFFFU;
 
+/// Whether a ray meets a surface that hides only a part of what lies behind it (alpha mode Blend).
+/// Other surfaces do not ask.
+using BlendRule = std::uint32_t;
+/// Met with the probability of its coverage: by chance, independent between seeds of 31 bits and
+/// between surfaces. The mean over seeds is what blending front to back gives, also for shadows.
+constexpr BlendRule blend_by_chance(std::uint32_t seed) {
+  return seed | 0x8000'0000U;
+}
+/// Met where its coverage is at least `least`, in [0, 1): a mask.
+constexpr BlendRule blend_from(float least) {
+  return static_cast<BlendRule>(least * 0x1p31F);
+}
+
 /// A ray meets a surface at t in (tnear, tfar]. tfar may be +infinity; tfar < tnear: an idle ray
 /// that meets nothing. Order rays so that 4x4 (or 4x2) neighbours are consecutive: packets follow
 /// order.
@@ -20,17 +33,20 @@ struct alignas(64) RayStream {
   float ox[kStreamCapacity], oy[kStreamCapacity], oz[kStreamCapacity];  ///< origins, meters
   float dx[kStreamCapacity], dy[kStreamCapacity], dz[kStreamCapacity];  ///< directions, any length
   float tnear[kStreamCapacity], tfar[kStreamCapacity];
+  BlendRule blend[kStreamCapacity];  ///< read only where TriangleScene::blends()
   int count = 0;
 
   void clear() { count = 0; }
   bool full() const { return count == kStreamCapacity; }
   /// Appends one ray; returns its index in the stream.
-  int push(const Vec3& origin, const Vec3& direction, float near, float far) {
+  int push(const Vec3& origin, const Vec3& direction, float near, float far,
+           BlendRule rule = blend_from(0.5F)) {
     MACULA_DCHECK(!full());
     const int i = count++;
     ox[i] = origin.x, oy[i] = origin.y, oz[i] = origin.z;
     dx[i] = direction.x, dy[i] = direction.y, dz[i] = direction.z;
     tnear[i] = near, tfar[i] = far;
+    blend[i] = rule;
     return i;
   }
   Vec3 origin(int i) const { return {ox[i], oy[i], oz[i]}; }

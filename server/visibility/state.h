@@ -19,6 +19,12 @@ struct ReleaseScene {
 };
 using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 
+/// What the filters of a mesh's geometries ask.
+struct FilteredMesh {
+  AlphaTest test;
+  std::uint32_t still_id;  ///< as in SceneState
+};
+
 /// Embree's device and what its structures point at; outlives all of them.
 class DeviceState {
  public:
@@ -34,7 +40,7 @@ class DeviceState {
   Result<void> check(const std::string& name) const;
 
   RTCDevice device = nullptr;
-  std::map<scene::Index, std::unique_ptr<const AlphaTest>> alpha_tests;  ///< by mesh
+  std::map<scene::Index, FilteredMesh> filtered;  ///< by mesh; where they lie in memory stays
 
  private:
   static void keep_first_error(void* user, RTCError code, const char* text);
@@ -56,14 +62,22 @@ struct Reshaped {
   RTCGeometry geometry = nullptr;  ///< held by the child
 };
 
+/// Index into Scene::instances of what Embree names by an instance of the top level (or
+/// RTC_INVALID_GEOMETRY_ID) and a geometry. `still_id` stands for all instances by their triangles.
+inline std::uint32_t instance_of(std::uint32_t outer, std::uint32_t geometry,
+                                 std::uint32_t still_id) {
+  return outer == RTC_INVALID_GEOMETRY_ID || outer == still_id ? geometry : outer;
+}
+
 struct SceneState {
   std::shared_ptr<const DeviceState> device;  ///< none: nothing to meet
   SceneHandle top;  ///< geometry and instance ids are indices into Scene::instances
   /// Id of the one instance that stands for all that never moves; its geometries have the indices.
-  std::uint32_t still_id = RTC_INVALID_GEOMETRY_ID;
-  int packet_width = 0;   ///< 0: no device
+  std::uint32_t still_id = RTC_INVALID_GEOMETRY_ID;  ///< always Scene::instances.size()
+  int packet_width = 0;                              ///< 0: no device
   bool has_instances = false;
   bool scatters = false;  ///< incoherent occlusion rays go as one stream, not in packets
+  bool blends = false;    ///< rays carry their BlendRule as Embree's ray id
   /// Geometric normal of Embree (object space, by winding) to the world, towards the front face.
   std::vector<Mat3> world_normal_from_embree;  ///< by instance
   std::vector<MovedInstance> moved;

@@ -3,8 +3,8 @@
 // Scenes of moderate size are flattened into one level. In larger ones, meshes with several
 // instances are stored once and instanced; a hit names the scene's own instance either way. The
 // only room that knows Embree. Scenes that move: moving_triangles.h.
-// Alpha: a point of a Mask material is there where alpha >= alpha_cutoff; Blend is treated as a
-// mask with cutoff 0.5, a biased shortcut without noise. Alpha is the nearest texel, base level.
+// Alpha: a point of a Mask material is there where alpha >= alpha_cutoff, one of a Blend material
+// by the ray's BlendRule. Alpha is read between texels of the finest level, as colours are.
 #pragma once
 
 #include <memory>
@@ -47,6 +47,7 @@ struct Ray {
   Vec3 direction{0.0F};  ///< any length; t counts in it
   float tnear = 0.0F;
   float tfar = std::numeric_limits<float>::infinity();
+  BlendRule blend = blend_from(0.5F);
 };
 
 /// As HitStream, for one ray.
@@ -82,6 +83,8 @@ class TriangleScene {
 
   /// Whether Embree was asked for anything: not for scenes without triangles.
   bool has_device() const;
+  /// Whether any surface asks rays for their BlendRule.
+  bool blends() const;
   /// Rays per packet in use: 1, 8 or 16; 0 without a device. Tiles that keep 4x4 or 4x2 neighbours
   /// together fit it.
   int packet_width() const;

@@ -108,6 +108,87 @@ TEST_P(KernelConformance, AWallAcrossTheViewHasOneDepthNormalAndIdentity) {
   }
 }
 
+constexpr float kPaneAlpha = 0.3F;
+/// A wall of radiance 1 behind two panes of alpha 0.3 and radiance 4; or, dark itself, lit through
+/// them by a sun, which gives it radiance 1 where nothing is in the way, and seen past them.
+enum class Panes { InSight, InLight };
+scene::Scene wall_behind_panes(Panes where) {
+  scene::Scene scene;
+  scene.materials.resize(2);
+  scene.materials[0].specular = scene.materials[1].specular = 0.0F;
+  scene.materials[1].alpha_mode = scene::AlphaMode::Blend;
+  scene.materials[1].alpha = kPaneAlpha;
+  test::add_quad(scene, {-9, -9, -4}, {18, 0, 0}, {0, 18, 0}, 0);
+  if (where == Panes::InSight) {
+    scene.materials[0].emission = Rgb{1.0F};
+    scene.materials[1].emission = Rgb{4.0F};
+    scene.materials[0].base_color = scene.materials[1].base_color = Rgb{0.0F};
+    test::add_quad(scene, {-9, -9, -2}, {18, 0, 0}, {0, 18, 0}, 1);
+    test::add_quad(scene, {-9, -9, -3}, {18, 0, 0}, {0, 18, 0}, 1);
+    return scene;
+  }
+  // The view looks under the panes; the light comes down at 45 degrees.
+  test::add_quad(scene, {-9, 3, -3.5F}, {18, 0, 0}, {0, 0, 6}, 1);
+  test::add_quad(scene, {-9, 4, -3.5F}, {18, 0, 0}, {0, 0, 8}, 1);
+  scene::Light sun;
+  sun.kind = scene::LightKind::Directional;
+  sun.direction = glm::normalize(Vec3{0, -1, -1});
+  sun.intensity = Rgb{3.14159265F * std::sqrt(2.0F)};
+  scene.lights = {sun};
+  return scene;
+}
+struct Mean {
+  double value = 0.0, standard_error = 0.0;
+};
+Mean mean_of(const Render& render) {
+  Mean mean;
+  const auto n = static_cast<double>(render.planes().radiance.size());
+  for (const Rgb& value : render.planes().radiance.pixels()) mean.value += value.x / n;
+  for (const float variance : render.planes().variance.pixels()) mean.standard_error += variance;
+  mean.standard_error = std::sqrt(mean.standard_error) / n;
+  return mean;
+}
+
+TEST_P(KernelConformance, BlendedPanesShowTheMeanOfWhatTheyAreAndWhatTheyLetThrough) {
+  const auto view = test::view_on(foveation::make_uniform_grid(test::display(24)));
+  TileScheduler scheduler;
+  const double a = kPaneAlpha, through = (1.0 - a) * (1.0 - a);
+  for (const Panes where : {Panes::InSight, Panes::InLight}) {
+    const auto scene = test::frame_of(wall_behind_panes(where));
+    const double right = where == Panes::InSight ? 4.0 * (a + (1.0 - a) * a) + through : through;
+    const Render exactly = test::render(kernel(), exact(64), *scene, view, scheduler);
+    const Mean mean = mean_of(exactly);
+    EXPECT_NEAR(mean.value, right, 4.0 * mean.standard_error);
+    EXPECT_LT(4.0 * mean.standard_error, 0.05 * right);
+    scene::Scene masked = wall_behind_panes(where);
+    masked.materials[1].alpha_mode = scene::AlphaMode::Mask;
+    const auto twin = test::frame_of(std::move(masked));
+    const Mean wrong = mean_of(test::render(kernel(), exact(4), *twin, view, scheduler));
+    EXPECT_GT(std::abs(wrong.value - right), 0.2) << "a mask at one half hides nothing";
+    TileScheduler one(1);
+    const Render again = test::render(kernel(), exact(64), *scene, view, one);
+    EXPECT_EQ(0, std::memcmp(exactly.planes().radiance.data(), again.planes().radiance.data(),
+                             again.planes().radiance.size() * sizeof(Rgb)));
+  }
+}
+
+TEST(FastRay, MeetsABlendedSurfaceWithAFixedShareOfItsSamples) {
+  const auto view = test::view_on(foveation::make_uniform_grid(test::display(24)));
+  TileScheduler scheduler;
+  scene::Scene source = wall_behind_panes(Panes::InSight);
+  source.instances.pop_back();
+  const auto scene = test::frame_of(std::move(source));
+  for (const auto& [samples, met] : {std::pair{1, 0.0F}, {4, 0.25F}, {16, 5.0F / 16.0F}}) {
+    KernelOptions options = exact(samples);
+    options.mode = Mode::Fast;
+    const Render fast = test::render("ray", options, *scene, view, scheduler);
+    for (const Rgb& value : fast.planes().radiance.pixels()) {
+      EXPECT_FLOAT_EQ(value.x, 1.0F + 3.0F * met) << samples << " samples";
+    }
+    EXPECT_EQ(fast.report.biased_shortcuts.size(), 2U);
+  }
+}
+
 TEST_P(KernelConformance, OneThreadAndManyGiveTheSameBits) {
   const auto scene = test::frame_of(test::small_room());
   const auto view = test::view_on(foveation::make_uniform_grid(test::display(40)));

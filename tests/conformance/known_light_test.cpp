@@ -240,6 +240,29 @@ TEST(AreaLight, ADiscOnTheAxisGivesPiLTimesItsShareOfTheView) {
   }
 }
 
+TEST(AreaLight, ABlendedLampGivesItsCoveragesShareOfLight) {
+  const std::vector<Vec3> corners = {{1.5F, 1.2F, 0.4F}, {2.7F, 1.1F, 0.8F}, {2.9F, 1.6F, -0.6F}};
+  scene::Scene source = floor_under(corners, {{0, 2, 1}, {0, 1, 2}});
+  const auto opaque = test::frame_of(source);
+  source.materials[1].alpha_mode = scene::AlphaMode::Blend;
+  source.materials[1].alpha = 0.3F;
+  const auto blended = test::frame_of(source);
+  source.images.push_back({"dense to thin", image::Plane<image::Rgba8>(1, 1, {255, 255, 255, 51})});
+  source.materials[1].base_color_texture = scene::TextureRef{};
+  source.meshes[1].texcoords.assign(corners.size(), Vec2{0.5F});
+  const auto thin = test::frame_of(source);
+  for (const char* kernel : {"ray", "lightcuts", "brute"}) {
+    const Estimate all = at_the_middle(*opaque, kernel);
+    EXPECT_GT(all.mean, 0.0);
+    for (const auto& [scene, share] : {std::pair{blended, 0.3}, {thin, 0.3 * 0.2}}) {
+      const Estimate part = at_the_middle(*scene, kernel);
+      EXPECT_NEAR(part.mean, share * all.mean,
+                  4.0 * std::hypot(part.standard_error, share * all.standard_error))
+          << kernel;
+    }
+  }
+}
+
 // ---- scale ----
 
 scene::Scene scaled(scene::Scene scene, double factor) {

@@ -19,6 +19,8 @@ constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
 constexpr std::uint32_t kAmbientDimension = 0x8000'0001U;
 constexpr std::uint32_t kEnvironmentDimension = 0x8000'0002U;
 constexpr std::uint32_t kStrategyDimension = 0x8000'0003U;
+/// Of shadow rays that meet blended surfaces; one a term, with the number of the ray in the term.
+enum class Term : std::uint32_t { Punctual = 0x8000'0011U, Area, Ambient, Environment };
 
 constexpr float kIdle = -1.0F;  ///< tfar of a ray that is not traced
 
@@ -41,7 +43,7 @@ class Pass {
   }
 
  private:
-  void add_punctual(const scene::Light& light);
+  void add_punctual(const scene::Light& light, std::size_t index);
   void add_area();
   void add_cut();
   void add_ambient();
@@ -52,7 +54,8 @@ class Pass {
   void aim_along(float tfar);
   void aim_at(const Vec3& target);
   void aim_at_lights();
-  void resolve(Coherence coherence);
+  void resolve(Coherence coherence, Term term, std::size_t round);
+  void draw_blending(Term term, std::size_t round);
 
   const SceneFrame& scene_;
   const Config& config_;
@@ -74,7 +77,7 @@ class Pass {
 void Pass::run() {
   const bool by_cut = config_.lights == LightChoice::ByCut;
   const auto lights = by_cut ? scene_.placed_lights().apart() : scene_.lights().punctual();
-  for (const scene::Light& light : lights) add_punctual(light);
+  for (std::size_t k = 0; k < lights.size(); ++k) add_punctual(lights[k], k);
   exact_ = sum_;
   if (by_cut && scene_.placed_lights().size() > 0) add_cut();
   if (!by_cut && !scene_.lights().emissive().empty()) add_area();
@@ -82,7 +85,7 @@ void Pass::run() {
   if (scene_.plan().has(scene::Step::Environment)) add_environment();
 }
 
-void Pass::add_punctual(const scene::Light& light) {
+void Pass::add_punctual(const scene::Light& light, std::size_t index) {
   lights::arriving(light, points_.position, n_, light_.arrival);
   shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
                    contribution_);
@@ -91,7 +94,7 @@ void Pass::add_punctual(const scene::Light& light) {
   } else {
     aim_at(Vec3(light.position));
   }
-  resolve(Coherence::Coherent);
+  resolve(Coherence::Coherent, Term::Punctual, index);
 }
 
 void Pass::add_area() {
@@ -109,7 +112,7 @@ void Pass::add_area() {
       contribution_.x[i] *= share, contribution_.y[i] *= share, contribution_.z[i] *= share;
     }
     aim_at_lights();
-    resolve(coherence);
+    resolve(coherence, Term::Area, static_cast<std::size_t>(k));
   }
 }
 
@@ -129,7 +132,7 @@ void Pass::add_cut() {
     shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
                      contribution_);
     aim_at_lights();
-    resolve(Coherence::Incoherent);
+    resolve(Coherence::Incoherent, Term::Area, round);
   }
 }
 
@@ -150,7 +153,7 @@ void Pass::add_ambient() {
     sampling::cosine_directions(u_, points_.reflectors.shading, points_.reflectors.geometric, n_,
                                 light_.arrival.to_light);
     aim_along(static_cast<float>(settings.ambient_distance_m));
-    resolve(Coherence::Incoherent);
+    resolve(Coherence::Incoherent, Term::Ambient, static_cast<std::size_t>(k));
   }
 }
 
@@ -171,7 +174,7 @@ void Pass::add_environment() {
       contribution_.x[i] *= share, contribution_.y[i] *= share, contribution_.z[i] *= share;
     }
     aim_along(std::numeric_limits<float>::infinity());
-    resolve(Coherence::Incoherent);
+    resolve(Coherence::Incoherent, Term::Environment, static_cast<std::size_t>(k));
   }
 }
 
@@ -234,8 +237,18 @@ void Pass::aim_at_lights() {
   }
 }
 
+/// Each ray meets blended surfaces by chances of its own, in mode Fast as in mode Exact: what they
+/// let through is noise among noise.
+void Pass::draw_blending(Term term, std::size_t round) {
+  const std::uint64_t index = (std::uint64_t{points_.sample} << 32) | round;
+  for (std::size_t i = 0; i < n_; ++i) {
+    rays_.blend[i] = visibility::blend_by_chance(
+        sampling::sample_bits(points_.keys[i], static_cast<std::uint32_t>(term), index));
+  }
+}
+
 /// Traces the aimed rays that have something to bring, and sums what arrives.
-void Pass::resolve(Coherence coherence) {
+void Pass::resolve(Coherence coherence, Term term, std::size_t round) {
   std::uint32_t traced = 0;
   const Vec3Batch& c = contribution_;
   for (std::size_t i = 0; i < n_; ++i) {
@@ -249,6 +262,7 @@ void Pass::resolve(Coherence coherence) {
   }
   if (traced == 0) return;
   rays_.count = static_cast<int>(n_);
+  if (scene_.triangles().blends()) draw_blending(term, round);
   const auto begin = std::chrono::steady_clock::now();
   scene_.triangles().occluded(rays_, hidden_, coherence);
   work_.trace_ms += units::to_ms(std::chrono::steady_clock::now() - begin);

@@ -71,6 +71,10 @@ FrameReport RayKernel::render(const FrameRequest& request, const SceneFrame& sce
   if (config_.mode == Mode::Fast) {
     report.biased_shortcuts.emplace_back(
         "textures are averaged over the cell before shading (trilinear, isotropic)");
+    if (scene.triangles().blends()) {
+      report.biased_shortcuts.emplace_back(
+          "a blended surface is met by a fixed share of a cell's samples, and those behind it too");
+    }
   }
   return report;
 }

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t kCells = visibility::kStreamCapacity;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// Of a cell's random numbers (lighting.cpp has the next ones).
+constexpr std::uint32_t kBlendDimension = 0x8000'0010U;
 
 double ms_since(std::chrono::steady_clock::time_point begin) {
   return units::to_ms(std::chrono::steady_clock::now() - begin);
@@ -78,11 +80,23 @@ class TileRun {
       const Vec2 at = context_.pattern.position(cells_[i].key, s);
       // z = -1 in view space: t is view depth.
       const Vec3 direction = context_.view.grid.ray(cells_[i].x, cells_[i].y, at.x, at.y);
-      rays_.push(context_.eye, context_.world_from_view * direction, 0.0F, kInfinity);
+      rays_.push(context_.eye, context_.world_from_view * direction, 0.0F, kInfinity,
+                 blend_rule(cells_[i].key, s));
     }
     context_.scene.triangles().intersect(rays_, hits_, visibility::Coherence::Coherent);
     report_.primary_rays += count_;
     report_.trace_ms += ms_since(begin);
+  }
+
+  /// Exact: chance. Fast, without noise: as many of a cell's samples meet a surface as its coverage
+  /// says, to the nearest; a single sample meets those that are there by half.
+  visibility::BlendRule blend_rule(sampling::SampleKey key, int s) const {
+    const auto index = static_cast<std::uint64_t>(s);
+    if (context_.config.mode == Mode::Exact && context_.scene.triangles().blends()) {
+      return visibility::blend_by_chance(sampling::sample_bits(key, kBlendDimension, index));
+    }
+    const auto samples = static_cast<float>(context_.pattern.samples());
+    return visibility::blend_from((static_cast<float>(s) + 0.5F) / samples);
   }
 
   void gather_points(int s) {
