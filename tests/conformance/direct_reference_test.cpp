@@ -337,10 +337,7 @@ Mean by_rays_alone(const kernels::SceneFrame& scene, const SeenPoint& seen, int 
   return {sum / n, std::sqrt((square / n - sum * sum / n / n) / n)};
 }
 
-// The picture of bistro_interior is 5 to 25 % darker than ours on the floor, while light sampling
-// (two kernels) and rays that know of no light agree. A likely cause, not proven: its renderer
-// samples small triangles by solid angle in single precision, alpha + beta + gamma - pi, and of a
-// triangle of 1e-5 sr little is left of that difference. So the integration below is the reference.
+// At points of bistro_interior's floor; bistro_reference_test.cpp compares whole pictures.
 TEST(DirectReference, InTheBistroLampsAreFoundByLightSamplingAsByRaysAlone) {
   MACULA_NEEDS_HANDED_DATA("scenes/bistro_interior/bistro_interior.gltf");
   const auto loaded = scene::load_scene(
