@@ -161,7 +161,7 @@ Result<void> SceneTimeline::move(SceneFrame& frame, SceneTime time) {
   frame.surfaces_.move(scene(), moving_.instances, frame.pose_);
   frame.lights_.move(scene(), relighting_, frame.pose_, still_->materials);
   if (still_->plan.has(Step::LightTree) && !relighting_.none()) {
-    frame.placed_lights_ = lights::PlacedLights(frame.lights_);
+    frame.placed_lights_.make(frame.lights_);
   }
   if (frame.own_triangles_ == nullptr) return {};
   return moving_triangles_->move(*frame.own_triangles_, frame.pose_);

@@ -12,7 +12,8 @@
 
 namespace macula::lights {
 
-struct LightBounds {
+/// One cache line: trees read them in no order.
+struct alignas(64) LightBounds {
   Vec3 centre{0.0F}, half{0.0F};  ///< box: centre +- half
   /// Axis of the cone of directions that get the full intensity, unit; its half-angle is theta_o.
   Vec3 axis{0.0F, 0.0F, 1.0F};
@@ -31,5 +32,8 @@ struct LightBounds {
 /// an intensity or place that is not a number.
 std::optional<LightBounds> bounds_of(const scene::Light& light);
 std::optional<LightBounds> bounds_of(const EmissiveTriangle& light);
+/// The same into `bounds`; false and half written where there is none.
+bool write_bounds(const scene::Light& light, LightBounds& bounds);
+bool write_bounds(const EmissiveTriangle& light, LightBounds& bounds);
 
 }  // namespace macula::lights

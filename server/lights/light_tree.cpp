@@ -1,8 +1,6 @@
 #include "server/lights/light_tree.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "server/lights/light_tree_simd.h"
 #include "shared/base/check.h"
@@ -11,26 +9,6 @@ namespace macula::lights {
 namespace {
 
 constexpr std::size_t kNodes = NodeBlock::kNodes;
-
-/// However dim, a light that shines keeps a chance.
-float share(double intensity) {
-  return std::max(static_cast<float>(intensity), std::numeric_limits<float>::min());
-}
-
-void put(const LightBounds& light, double intensity, NodeBlock& block, std::size_t lane) {
-  block.centre_x[lane] = light.centre.x;
-  block.centre_y[lane] = light.centre.y;
-  block.centre_z[lane] = light.centre.z;
-  block.half_x[lane] = light.half.x;
-  block.half_y[lane] = light.half.y;
-  block.half_z[lane] = light.half.z;
-  block.axis_x[lane] = light.axis.x;
-  block.axis_y[lane] = light.axis.y;
-  block.axis_z[lane] = light.axis.z;
-  block.half_sine[lane] = light.half_sine;
-  block.cos_emission[lane] = light.cos_emission;
-  block.intensity[lane] = share(intensity);
-}
 
 }  // namespace
 
@@ -41,45 +19,23 @@ void LightTree::build(std::span<const LightBounds> lights) {
   const std::size_t nodes = std::max<std::size_t>(2 * std::size_t{first_leaf_}, 2 * kNodes);
   blocks_.resize(nodes / kNodes);
   intensity_.resize(nodes);
-  place_leaves(lights);
-  sum_intensities();
-  merge_levels(blocks_, first_leaf_, oriented_);
+  look_at(lights);
+  const auto order = morton_.sort(centres_);
+  light_of_leaf_.assign(order.begin(), order.end());
+  grow_tree({lights, light_of_leaf_, brightest_, oriented_}, {blocks_, intensity_, first_leaf_});
   find_radius();
 }
 
-void LightTree::place_leaves(std::span<const LightBounds> lights) {
+void LightTree::look_at(std::span<const LightBounds> lights) {
   brightest_ = 0.0;
-  oriented_ = Oriented::No;
-  centres_.clear();
-  for (const LightBounds& light : lights) {
-    brightest_ = std::max(brightest_, light.intensity);
-    if (!light.shines_everywhere()) oriented_ = Oriented::Yes;
-    centres_.push_back(light.centre);
+  bool oriented = false;
+  centres_.resize(lights.size());
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    brightest_ = std::max(brightest_, lights[i].intensity);
+    oriented |= !lights[i].shines_everywhere();
+    centres_[i] = lights[i].centre;
   }
-  const auto order = morton_.sort(centres_);
-  light_of_leaf_.assign(order.begin(), order.end());
-  for (std::size_t block = first_leaf_ / kNodes; block < blocks_.size(); ++block) {
-    std::ranges::fill(blocks_[block].intensity, 0.0F);
-  }
-  std::fill(intensity_.begin() + first_leaf_, intensity_.end(), 0.0);
-  // Lights lie in memory in another order than along the curve: they are asked for in advance.
-  constexpr std::size_t kAhead = 16;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    if (k + kAhead < order.size()) __builtin_prefetch(&lights[order[k + kAhead]]);
-    const LightBounds& light = lights[order[k]];
-    const std::size_t leaf = first_leaf_ + k;
-    intensity_[leaf] = light.intensity / brightest_;
-    put(light, intensity_[leaf], blocks_[leaf / kNodes], leaf % kNodes);
-  }
-}
-
-void LightTree::sum_intensities() {
-  for (NodeId node = first_leaf_ - 1; node > 0; --node) {
-    const double sum = intensity_[2 * node] + intensity_[2 * node + 1];
-    intensity_[node] = sum;
-    blocks_[node / kNodes].intensity[node % kNodes] = sum > 0.0 ? share(sum) : 0.0F;
-  }
-  blocks_[0].intensity[0] = 0.0F;  // no node
+  oriented_ = oriented ? Oriented::Yes : Oriented::No;
 }
 
 void LightTree::find_radius() {

@@ -13,10 +13,10 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "server/lights/light_bounds.h"
 #include "server/lights/morton.h"
+#include "shared/base/big_vector.h"
 
 namespace macula::lights {
 
@@ -91,15 +91,14 @@ class LightTree {
   float radius_m() const { return radius_m_; }
 
  private:
-  void place_leaves(std::span<const LightBounds> lights);
-  void sum_intensities();
+  void look_at(std::span<const LightBounds> lights);
   void find_radius();
 
   MortonOrder morton_;
-  std::vector<Vec3> centres_;
-  std::vector<NodeBlock> blocks_;
-  std::vector<double> intensity_;  ///< of every node, shares of brightest_
-  std::vector<std::uint32_t> light_of_leaf_;
+  base::BigVector<Vec3> centres_;
+  base::BigVector<NodeBlock> blocks_;
+  base::BigVector<double> intensity_;  ///< of every node, shares of brightest_
+  base::BigVector<std::uint32_t> light_of_leaf_;
   NodeId first_leaf_ = 1;
   double brightest_ = 0.0;  ///< largest intensity of a light, W/sr
   float radius_m_ = 0.0F;

@@ -1,6 +1,9 @@
 // Sixteen parents at once: their children are two neighbouring blocks, left ones on even lanes.
 #include "server/lights/light_tree_simd.h"
 
+#include <algorithm>
+#include <limits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "server/lights/light_tree_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
@@ -171,13 +174,91 @@ HWY_INLINE HWY_ATTR void merge_block(NodeBlock* blocks, std::size_t block, NodeI
   }
 }
 
-HWY_ATTR void merge_vectors(std::span<NodeBlock> blocks, NodeId first_leaf, Oriented oriented) {
-  const std::size_t inner = first_leaf / NodeBlock::kNodes;
-  for (std::size_t block = inner; block-- > 1;) {
-    merge_block(blocks.data(), block, first_leaf, oriented);
+/// However dim, a light that shines keeps a chance.
+HWY_INLINE float share(double intensity) {
+  return std::max(static_cast<float>(intensity), std::numeric_limits<float>::min());
+}
+
+/// Intensities of a block's parents, then all else.
+HWY_INLINE HWY_ATTR void merge_nodes(const TreeNodes& nodes, std::size_t block, Oriented oriented) {
+  const std::size_t first = block * NodeBlock::kNodes;
+  const std::size_t begin = std::max<std::size_t>(first, 1);
+  const std::size_t end = std::min<std::size_t>(first + NodeBlock::kNodes, nodes.first_leaf);
+  NodeBlock::Row& row = nodes.blocks[block].intensity;
+  for (std::size_t node = end; node-- > begin;) {
+    const double sum = nodes.intensity[2 * node] + nodes.intensity[2 * node + 1];
+    nodes.intensity[node] = sum;
+    row[node - first] = sum > 0.0 ? share(sum) : 0.0F;
   }
   // Block 0 holds four levels, each made from the one below it: one level a pass.
-  for (int level = 0; level < 4; ++level) merge_block(blocks.data(), 0, first_leaf, oriented);
+  for (int level = 0; level < (block == 0 ? 4 : 1); ++level) {
+    merge_block(nodes.blocks.data(), block, nodes.first_leaf, oriented);
+  }
+}
+
+HWY_INLINE void put(const LightBounds& light, Oriented oriented, NodeBlock& block,
+                    std::size_t lane) {
+  block.centre_x[lane] = light.centre.x;
+  block.centre_y[lane] = light.centre.y;
+  block.centre_z[lane] = light.centre.z;
+  block.half_x[lane] = light.half.x;
+  block.half_y[lane] = light.half.y;
+  block.half_z[lane] = light.half.z;
+  if (oriented == Oriented::No) return;
+  block.axis_x[lane] = light.axis.x;
+  block.axis_y[lane] = light.axis.y;
+  block.axis_z[lane] = light.axis.z;
+  block.half_sine[lane] = light.half_sine;
+  block.cos_emission[lane] = light.cos_emission;
+}
+
+/// Lights lie in memory in another order than along the curve: they are asked for in advance.
+HWY_INLINE void fetch(const LeafLights& leaves, std::size_t place) {
+  if (place >= leaves.order.size()) return;
+  const auto* light = reinterpret_cast<const char*>(&leaves.lights[leaves.order[place]]);
+  __builtin_prefetch(light);
+  __builtin_prefetch(light + sizeof(LightBounds) - 1);
+}
+
+/// The leaves of a block; what lies past the last light is empty.
+HWY_INLINE void place_leaves(const LeafLights& leaves, const TreeNodes& nodes, std::size_t block) {
+  constexpr std::size_t kAhead = 64;
+  NodeBlock& out = nodes.blocks[block];
+  const std::size_t first = block * NodeBlock::kNodes;
+  const std::size_t begin = std::max<std::size_t>(first, nodes.first_leaf);
+  for (std::size_t node = begin; node < first + NodeBlock::kNodes; ++node) {
+    const std::size_t place = node - nodes.first_leaf, lane = node - first;
+    if (place >= leaves.order.size()) {
+      nodes.intensity[node] = 0.0;
+      out.intensity[lane] = 0.0F;
+      continue;
+    }
+    fetch(leaves, place + kAhead);
+    const LightBounds& light = leaves.lights[leaves.order[place]];
+    nodes.intensity[node] = light.intensity / leaves.brightest;
+    out.intensity[lane] = share(nodes.intensity[node]);
+    put(light, leaves.oriented, out, lane);
+  }
+}
+
+/// A block's children are blocks 2 k and 2 k + 1: it is made when the second of them is.
+HWY_INLINE HWY_ATTR void merge_above(const TreeNodes& nodes, std::size_t block, Oriented oriented) {
+  while (block % 2 == 1 && block > 1) merge_nodes(nodes, block /= 2, oriented);
+}
+
+HWY_ATTR void grow_vectors(const LeafLights& leaves, const TreeNodes& nodes) {
+  nodes.blocks[0].intensity[0] = 0.0F;  // no node
+  const std::size_t first = nodes.first_leaf / NodeBlock::kNodes, end = nodes.blocks.size();
+  // Leaves are written lane by lane; vectors that read them at once would wait for the stores.
+  constexpr std::size_t kLag = 2;
+  for (std::size_t block = first; block < end; ++block) {
+    place_leaves(leaves, nodes, block);
+    if (block >= first + kLag) merge_above(nodes, block - kLag, leaves.oriented);
+  }
+  for (std::size_t block = std::max(first + kLag, end) - kLag; block < end; ++block) {
+    merge_above(nodes, block, leaves.oriented);
+  }
+  merge_nodes(nodes, 0, leaves.oriented);
 }
 
 }  // namespace macula::lights::HWY_NAMESPACE
@@ -186,10 +267,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace macula::lights {
 
-HWY_EXPORT(merge_vectors);
+HWY_EXPORT(grow_vectors);
 
-void merge_levels(std::span<NodeBlock> blocks, NodeId first_leaf, Oriented oriented) {
-  HWY_DYNAMIC_DISPATCH(merge_vectors)(blocks, first_leaf, oriented);
+void grow_tree(const LeafLights& leaves, const TreeNodes& nodes) {
+  HWY_DYNAMIC_DISPATCH(grow_vectors)(leaves, nodes);
 }
 
 }  // namespace macula::lights

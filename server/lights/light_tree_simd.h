@@ -1,4 +1,4 @@
-// The inner levels of a light tree, in vectors. Internal to the room.
+// The nodes of a light tree, in vectors. Internal to the room.
 #pragma once
 
 #include <span>
@@ -7,8 +7,20 @@
 
 namespace macula::lights {
 
-/// Boxes and cones of nodes [1, first_leaf) from their children's; intensities are read only. The
-/// box of a union is the union of the boxes, up to a few units in the last place wider.
-void merge_levels(std::span<NodeBlock> blocks, NodeId first_leaf, Oriented oriented);
+struct LeafLights {
+  std::span<const LightBounds> lights;
+  std::span<const std::uint32_t> order;  ///< order[k]: the light of the k-th leaf
+  double brightest;                      ///< largest intensity, W/sr
+  Oriented oriented;                     ///< No: rows about cones are neither read nor written
+};
+struct TreeNodes {
+  std::span<NodeBlock> blocks;  ///< of nodes [0, 2 first_leaf), at least two
+  std::span<double> intensity;  ///< as many; shares of the brightest light's
+  NodeId first_leaf;
+};
+
+/// Writes every node, each block of parents right after its children while they are near. The box
+/// of a union is the union of the boxes, up to a few units in the last place wider.
+void grow_tree(const LeafLights& leaves, const TreeNodes& nodes);
 
 }  // namespace macula::lights

@@ -4,13 +4,15 @@
 #include <array>
 #include <utility>
 
+#include "server/lights/morton_simd.h"
+
 namespace macula::lights {
 namespace {
 
-constexpr int kBitsAnAxis = 21;
+constexpr int kLowerBits = 31;  ///< the 32 above them tell nearly all points apart
+constexpr int kIndexBits = 32;
 constexpr int kDigitBits = 11;
-constexpr int kDigits = 3;  ///< the upper ones: 11 bits an axis tell nearly all points apart
-constexpr int kLowerBits = 3 * kBitsAnAxis - kDigits * kDigitBits;
+constexpr int kDigits = 3;
 constexpr std::size_t kBuckets = std::size_t{1} << kDigitBits;
 using Histogram = std::array<std::uint32_t, kBuckets>;
 
@@ -23,27 +25,17 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249ULL;
 }
 
-std::size_t digit_of(std::uint64_t code, int digit) {
-  return (code >> (kLowerBits + digit * kDigitBits)) & (kBuckets - 1);
+std::size_t digit_of(std::uint64_t key, int digit) {
+  return (key >> (kIndexBits + digit * kDigitBits)) & (kBuckets - 1);
 }
 
-struct Cube {
-  DVec3 corner{0.0};
-  double cells_per_meter = 0.0;  ///< 0 where all points coincide
-};
-
-Cube cube_about(std::span<const Vec3> points) {
+MortonCube cube_about(std::span<const Vec3> points) {
   if (points.empty()) return {};
   Vec3 low = points.front(), high = points.front();
   for (const Vec3& point : points) low = glm::min(low, point), high = glm::max(high, point);
   const DVec3 extent = DVec3(high) - DVec3(low);
   const double side = std::max({extent.x, extent.y, extent.z});
-  return {DVec3(low), side > 0.0 ? static_cast<double>(1U << kBitsAnAxis) / side : 0.0};
-}
-
-std::uint32_t cell(double coordinate) {
-  constexpr std::uint32_t kLast = (1U << kBitsAnAxis) - 1U;
-  return std::min(static_cast<std::uint32_t>(coordinate), kLast);
+  return {DVec3(low), side > 0.0 ? static_cast<double>(1U << kMortonBits) / side : 0.0};
 }
 
 }  // namespace
@@ -53,45 +45,50 @@ std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
 }
 
 std::span<const std::uint32_t> MortonOrder::sort(std::span<const Vec3> points) {
-  const Cube cube = cube_about(points);
+  codes_.resize(points.size());
+  morton_codes(points, cube_about(points), codes_);
   keys_.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const DVec3 at = (DVec3(points[i]) - cube.corner) * cube.cells_per_meter;
-    keys_[i] = {morton_code(cell(at.x), cell(at.y), cell(at.z)), static_cast<std::uint32_t>(i)};
+    keys_[i] = codes_[i] >> kLowerBits << kIndexBits | i;
   }
-  sort_keys();
+  sort_upper_bits();
   order_.resize(points.size());
-  for (std::size_t k = 0; k < keys_.size(); ++k) order_[k] = keys_[k].index;
+  for (std::size_t k = 0; k < keys_.size(); ++k) order_[k] = static_cast<std::uint32_t>(keys_[k]);
+  sort_runs();
   return order_;
 }
 
-/// Upper digits by radix, least significant first; a digit that all keys share is passed over. What
-/// they leave equal lies in short runs, each sorted by itself.
-void MortonOrder::sort_keys() {
+/// By radix, the least significant digit first; a digit that all keys share is passed over.
+void MortonOrder::sort_upper_bits() {
   std::array<Histogram, kDigits> histograms{};
-  for (const Key& key : keys_) {
-    for (int d = 0; d < kDigits; ++d) ++histograms[d][digit_of(key.code, d)];
+  for (const std::uint64_t key : keys_) {
+    for (int d = 0; d < kDigits; ++d) ++histograms[d][digit_of(key, d)];
   }
   scratch_.resize(keys_.size());
   for (int d = 0; d < kDigits; ++d) {
     Histogram& next = histograms[d];
-    if (keys_.empty() || next[digit_of(keys_.front().code, d)] == keys_.size()) continue;
+    if (keys_.empty() || next[digit_of(keys_.front(), d)] == keys_.size()) continue;
     std::uint32_t before = 0;
     for (std::uint32_t& bucket : next) before += std::exchange(bucket, before);
-    for (const Key& key : keys_) scratch_[next[digit_of(key.code, d)]++] = key;
+    for (const std::uint64_t key : keys_) scratch_[next[digit_of(key, d)]++] = key;
     keys_.swap(scratch_);
   }
-  sort_runs();
 }
 
+/// What the upper bits leave equal lies in short runs, each sorted by itself.
 void MortonOrder::sort_runs() {
-  const auto upper = [](const Key& key) { return key.code >> kLowerBits; };
-  const auto code = [](const Key& key) { return key.code; };
-  for (auto begin = keys_.begin(); begin != keys_.end();) {
-    auto end = begin + 1;
-    while (end != keys_.end() && upper(*end) == upper(*begin)) ++end;
-    const bool ordered = std::ranges::is_sorted(begin, end, {}, code);
-    if (!ordered) std::ranges::stable_sort(begin, end, {}, code);
+  const auto upper = [&](std::size_t k) { return keys_[k] >> kIndexBits; };
+  const auto code = [&](std::uint32_t index) { return codes_[index]; };
+  for (std::size_t begin = 0; begin < keys_.size();) {
+    std::size_t end = begin + 1;
+    while (end < keys_.size() && upper(end) == upper(begin)) ++end;
+    if (end - begin > 1) {
+      const auto first = order_.begin() + static_cast<std::ptrdiff_t>(begin);
+      const auto last = order_.begin() + static_cast<std::ptrdiff_t>(end);
+      if (!std::ranges::is_sorted(first, last, {}, code)) {
+        std::ranges::stable_sort(first, last, {}, code);
+      }
+    }
     begin = end;
   }
 }

@@ -1,12 +1,11 @@
 // Points along the Morton curve: 63-bit codes, 21 bits an axis, sorted by a radix sort that keeps
 // the order of equal codes, so coincident points follow one another by index. O(n) unless most
-// points share the upper 33 bits; keeps its memory from call to call. One thread at a time.
+// points share the upper 32 bits; keeps its memory from call to call. One thread at a time.
 #pragma once
 
 #include <cstdint>
 #include <span>
-#include <vector>
-
+#include "shared/base/big_vector.h"
 #include "shared/math/vec.h"
 
 namespace macula::lights {
@@ -22,15 +21,12 @@ class MortonOrder {
   std::span<const std::uint32_t> sort(std::span<const Vec3> points);
 
  private:
-  struct Key {
-    std::uint64_t code;
-    std::uint32_t index;
-  };
-  void sort_keys();
+  void sort_upper_bits();
   void sort_runs();
 
-  std::vector<Key> keys_, scratch_;
-  std::vector<std::uint32_t> order_;
+  base::BigVector<std::uint64_t> codes_;           ///< by point
+  base::BigVector<std::uint64_t> keys_, scratch_;  ///< upper 32 bits of a code, index
+  base::BigVector<std::uint32_t> order_;
 };
 
 }  // namespace macula::lights

@@ -12,10 +12,6 @@ bool is_black(const Rgb& c) {
   return c.x == 0.0F && c.y == 0.0F && c.z == 0.0F;
 }
 
-void append(std::vector<float>& row, const Vec3& v) {
-  row.insert(row.end(), {v.x, v.y, v.z});
-}
-
 /// A point shines as a cone without an edge.
 Vec3 cone_cosines(const scene::Light& light) {
   if (light.kind != scene::LightKind::Spot) return {-2.0F, -1.5F, 0.0F};
@@ -23,42 +19,53 @@ Vec3 cone_cosines(const scene::Light& light) {
           static_cast<float>(std::cos(light.inner_cone.value())), 0.0F};
 }
 
-void append_row(const scene::Light& light, PlacedLightTable& table) {
-  for (const Vec3& v : {Vec3(light.position), cone_cosines(light), Vec3{0.0F}, light.direction,
-                        Vec3(light.intensity)}) {
-    append(table.rows, v);
-  }
-  table.rows.push_back(0.0F);
-  table.triangle.push_back(0);
+void write(const Vec3& v, float* to) {
+  to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
 
-void append_row(const EmissiveTriangle& light, std::uint32_t index, PlacedLightTable& table) {
-  for (const Vec3& v :
-       {Vec3(light.position), light.edge1, light.edge2, light.normal, Vec3(light.mean_emission)}) {
-    append(table.rows, v);
-  }
-  table.rows.push_back(light.area_m2);
-  table.triangle.push_back(index + 1);
+void write_row(const scene::Light& light, float* row) {
+  write(Vec3(light.position), row);
+  write(cone_cosines(light), row + 3);
+  write(Vec3{0.0F}, row + 6);
+  write(light.direction, row + 9);
+  write(Vec3(light.intensity), row + 12);
+  row[15] = 0.0F;
+}
+
+void write_row(const EmissiveTriangle& light, float* row) {
+  write(Vec3(light.position), row);
+  write(light.edge1, row + 3);
+  write(light.edge2, row + 6);
+  write(light.normal, row + 9);
+  write(Vec3(light.mean_emission), row + 12);
+  row[15] = light.area_m2;
 }
 
 }  // namespace
 
-PlacedLights::PlacedLights(const LightList& list) {
-  for (const scene::Light& light : list.punctual()) {
-    if (const auto bounds = bounds_of(light)) {
-      bounds_.push_back(*bounds);
-      append_row(light, table_);
-    } else if (!is_black(light.intensity)) {
-      apart_.push_back(light);
-    }
-  }
+void PlacedLights::resize(std::size_t count) {
+  bounds_.resize(count);
+  table_.rows.resize(PlacedLightTable::kRowFloats * count);
+  table_.triangle.resize(count);
+}
+
+void PlacedLights::make(const LightList& list) {
+  const auto punctual = list.punctual();
   const auto emissive = list.emissive();
-  for (std::uint32_t i = 0; i < emissive.size(); ++i) {
-    if (const auto bounds = bounds_of(emissive[i])) {
-      bounds_.push_back(*bounds);
-      append_row(emissive[i], i, table_);
-    }
+  resize(punctual.size() + emissive.size());
+  apart_.clear();
+  std::size_t count = 0;
+  const auto add = [&](const auto& light, std::uint32_t triangle) {
+    if (!write_bounds(light, bounds_[count])) return false;
+    write_row(light, table_.rows.data() + PlacedLightTable::kRowFloats * count);
+    table_.triangle[count++] = triangle;
+    return true;
+  };
+  for (const scene::Light& light : punctual) {
+    if (!add(light, 0) && !is_black(light.intensity)) apart_.push_back(light);
   }
+  for (std::uint32_t i = 0; i < emissive.size(); ++i) add(emissive[i], i + 1);
+  resize(count);
   tree_.build(bounds_);
 }
 

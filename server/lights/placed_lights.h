@@ -1,7 +1,7 @@
 // PlacedLights: the lights of a scene that have a place, punctual ones and emissive triangles as
 // one list, with the tree over them and the light that arrives from any of them. World space,
-// meters, linear Rec.709. Immutable; safe from any thread; holds copies. Visibility is the
-// caller's.
+// meters, linear Rec.709. Safe from any thread but while it is made; holds copies. Visibility is
+// the caller's.
 #pragma once
 
 #include <span>
@@ -25,8 +25,8 @@ struct LightDraws {
 /// shines as normal, intensity as emission.
 struct PlacedLightTable {
   static constexpr std::size_t kRowFloats = 16;
-  std::vector<float> rows;
-  std::vector<std::uint32_t> triangle;  ///< index into LightList::emissive() + 1; 0: punctual
+  base::BigVector<float> rows;
+  base::BigVector<std::uint32_t> triangle;  ///< index into LightList::emissive() + 1; 0: punctual
 };
 
 class PlacedLights {
@@ -34,7 +34,9 @@ class PlacedLights {
   /// None.
   PlacedLights() = default;
   /// Black lights are left out.
-  explicit PlacedLights(const LightList& list);
+  explicit PlacedLights(const LightList& list) { make(list); }
+  /// The same in place of what was there; keeps memory.
+  void make(const LightList& list);
 
   std::size_t size() const { return bounds_.size(); }
   const LightTree& tree() const { return tree_; }
@@ -52,7 +54,9 @@ class PlacedLights {
                 AreaArrivalBatch& out) const;
 
  private:
-  std::vector<LightBounds> bounds_;
+  void resize(std::size_t count);
+
+  base::BigVector<LightBounds> bounds_;
   PlacedLightTable table_;
   std::vector<scene::Light> apart_;
   LightTree tree_;

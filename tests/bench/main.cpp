@@ -15,6 +15,7 @@
 #include "tests/bench/arguments.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/contact_sheet.h"
+#include "tests/bench/light_tree.h"
 #include "tests/bench/motion.h"
 #include "tests/bench/ray.h"
 #include "tests/bench/sphere.h"
@@ -231,6 +232,17 @@ Run declare_motion(CLI::App& command) {
   return [options]() -> Result<void> { return run_motion(*options); };
 }
 
+Run declare_light_tree(CLI::App& command) {
+  auto options = std::make_shared<LightTreeOptions>();
+  command.add_flag("--quick", options->quick, "A tenth of the repetitions");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  command.footer(
+      "One row a kind and number of moving lights and an instruction set. CPU milliseconds of a\n"
+      "moment: joints and lights moved, then the tree made anew. Nanoseconds of a walk from the\n"
+      "root to a leaf, against one that weighs one node after another; both by turns.");
+  return [options]() -> Result<void> { return run_light_tree(*options); };
+}
+
 void add_sphere_axes(CLI::App& command, SphereOptions& options) {
   command.add_option("--scenes", options.scenes, "Built-in distance fields or files of them")
       ->delimiter(',')
@@ -355,6 +367,7 @@ constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
+    {"light-tree", "What a tree over moving lights costs, and walks down it", declare_light_tree},
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},

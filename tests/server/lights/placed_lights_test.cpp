@@ -1,5 +1,6 @@
 #include "server/lights/placed_lights.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -77,6 +78,30 @@ TEST(PlacedLights, WhatCannotBeOrderedStandsApart) {
       LightList(scene, scene::pose_at(scene, {}), shading::MaterialTable(scene)));
   EXPECT_EQ(placed.size(), 1U);
   EXPECT_EQ(placed.apart().size(), 3U);
+}
+
+/// A list made in place of another, larger or smaller, is the one made afresh.
+TEST(PlacedLights, NothingStaysOfTheLightsThatWereThereBefore) {
+  const Lit lit;
+  scene::Scene few = mixed();
+  few.lights.resize(3), few.instances.resize(5);
+  const LightList list(few, scene::pose_at(few, {}), shading::MaterialTable(few));
+  PlacedLights again = lit.placed;
+  for (const LightList* of : {&list, &lit.list}) {
+    again.make(*of);
+    const PlacedLights fresh(*of);
+    ASSERT_EQ(again.size(), fresh.size());
+    EXPECT_EQ(again.apart().size(), fresh.apart().size());
+    EXPECT_TRUE(std::ranges::equal(again.tree().light_of_leaf(), fresh.tree().light_of_leaf()));
+    for (NodeId node = 1; node < 2 * fresh.tree().first_leaf(); ++node) {
+      const NodeBounds a = again.tree().node(node), b = fresh.tree().node(node);
+      EXPECT_EQ(a.empty, b.empty);
+      EXPECT_EQ(a.bounds.intensity, b.bounds.intensity);
+      EXPECT_EQ(a.bounds.centre, b.bounds.centre);
+      EXPECT_EQ(a.bounds.half, b.bounds.half);
+      EXPECT_EQ(a.bounds.axis, b.bounds.axis);
+    }
+  }
 }
 
 /// What light `index` of the list sends to `point`, by the rooms' scalar functions.
