@@ -69,9 +69,9 @@ allowed() {
     server/visibility) echo "$pictures server/scene server/sampling" ;;
     server/shading) echo "$pictures server/scene server/sampling server/visibility" ;;
     server/lights) echo "$pictures server/scene server/sampling server/shading" ;;
-    server/reconstruction) echo "$pictures" ;;
+    server/filters | server/reconstruction) echo "$pictures" ;;
     server/kernels | server/kernels/*)
-      echo "$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/reconstruction server/sdf" ;;
+      echo "$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/filters server/reconstruction server/sdf" ;;
     server/session) echo "shared server/scene server/scheduling server/kernels" ;;
     server/app) echo "shared server" ;;
     client/pose | client/reprojection) echo "$pictures" ;;
