@@ -32,9 +32,9 @@ struct TraceOptions {
   std::vector<int> levels{16, 8, 4, 2};
   int samples = 1;  ///< rays a cell, 1..16, at sample_offset(i, samples)
   /// A ray hits where the distance falls below hit_pixels * (half a cell's width at t) + hit_m.
-  float hit_pixels = 0.25F;
+  float hit_pixels = 0.05F;
   float hit_m = 0.0F;
-  int max_steps = 256;  ///< evaluations a ray; then it is Capped
+  int max_steps = 1024;  ///< evaluations a ray; then it is Capped
 };
 
 enum class RayStatus : std::uint8_t {
