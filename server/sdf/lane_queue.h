@@ -1,7 +1,9 @@
 // Lanes that wait to be marched, in pages that are marched where they lie. Inside server/sdf.
 #pragma once
 
+#include <algorithm>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "server/sdf/march.h"
@@ -42,11 +44,25 @@ class LaneQueue {
     Chunk& c = room(pool);
     const std::size_t i = last_++;
     c.x[i] = direction.x, c.y[i] = direction.y, c.z[i] = direction.z;
-    c.at[i] = c.t[i] = at;
-    c.radius[i] = 0.0F, c.slope[i] = -1.0F;
     c.width[i] = width, c.half[i] = half;
-    c.steps[i] = 0, c.state[i] = static_cast<std::int32_t>(LaneState::Live);
     c.id[i] = id;
+    start(c, i, 1, at);
+  }
+  /// Such lanes without a half-angle, with consecutive ids, from planes of directions and widths.
+  void push(const float* x, const float* y, const float* z, const float* width, std::size_t count,
+            float at, std::uint32_t id, PagePool& pool) {
+    for (std::size_t done = 0; done < count;) {
+      Chunk& c = room(pool);
+      const std::size_t i = last_, part = std::min(count - done, kBatch - last_);
+      std::copy_n(x + done, part, c.x + i);
+      std::copy_n(y + done, part, c.y + i);
+      std::copy_n(z + done, part, c.z + i);
+      std::copy_n(width + done, part, c.width + i);
+      std::fill_n(c.half + i, part, 0.0F);
+      std::iota(c.id + i, c.id + i + part, id + static_cast<std::uint32_t>(done));
+      start(c, i, part, at);
+      last_ += part, done += part;
+    }
   }
   /// Lane j of a page goes on waiting here.
   void push(const Chunk& from, std::size_t j, PagePool& pool) {
@@ -71,6 +87,14 @@ class LaneQueue {
   }
 
  private:
+  static void start(Chunk& c, std::size_t first, std::size_t count, float at) {
+    std::fill_n(c.at + first, count, at);
+    std::fill_n(c.t + first, count, at);
+    std::fill_n(c.radius + first, count, 0.0F);
+    std::fill_n(c.slope + first, count, -1.0F);
+    std::fill_n(c.steps + first, count, 0);
+    std::fill_n(c.state + first, count, static_cast<std::int32_t>(LaneState::Live));
+  }
   Chunk& room(PagePool& pool) {
     if (pages_.empty() || last_ == kBatch) {
       pages_.push_back(pool.take());

@@ -17,6 +17,8 @@ using FloatMask = hn::Mask<Floats>;
 
 /// How much of a new slope counts (Ban and Valasek 2023).
 constexpr float kSlopeShare = 0.3F;
+/// What a slope that led too far becomes: as careful as none, but the next counts by its share.
+constexpr float kSlopeAfterReturn = -0.999F;
 /// A cone stops where the free ball no longer covers it by this factor (measured there: best of
 /// 1.02 to 4).
 constexpr float kConeStop = 1.02F;
@@ -145,14 +147,16 @@ HWY_ATTR std::size_t advance_relaxed(Chunk& chunk, std::size_t count, const Dist
     // Where the slope along the ray is m, balls of radius r and r + m z touch for z = 2 r / (1 -
     // m).
     const auto seen = hn::Div(hn::Sub(r, radius), step);
-    auto slope_now = hn::MulAdd(set(kSlopeShare), hn::Sub(seen, slope), slope);
+    // The first slope seen counts whole: there is nothing to blend it with.
+    const auto share = hn::IfThenElse(hn::Gt(slope, minus_one), set(kSlopeShare), one);
+    auto slope_now = hn::MulAdd(share, hn::Sub(seen, slope), slope);
     slope_now = hn::IfThenElse(hn::Gt(step, zero), slope_now, minus_one);
     const auto stretch = hn::Div(set(2.0F), hn::Max(hn::Sub(one, slope_now), set(0.25F)));
     const auto forward = hn::MulAdd(r, hn::Max(stretch, one), at);
     const auto next = hn::IfThenElse(apart, hn::Add(t, radius), hn::Min(forward, far));
     hn::Store(hn::IfThenElse(arrives, at, t), d, chunk.t + i);
     hn::Store(hn::IfThenElse(arrives, r, radius), d, chunk.radius + i);
-    slope_now = hn::IfThenElse(apart, minus_one, slope_now);
+    slope_now = hn::IfThenElse(apart, set(kSlopeAfterReturn), slope_now);
     hn::Store(hn::IfThenElse(moved, slope_now, slope), d, chunk.slope + i);
     live += lanes.finish(next, limits, points);
   }

@@ -73,10 +73,9 @@ std::size_t aim_rays(const RayBlock& block, TraceScratch& scratch) {
 
 void send_rays(std::size_t first, std::size_t count, float start, TraceScratch& scratch) {
   LaneQueue& queue = scratch.block_slabs.of(start, scratch.registers).waiting;
-  for (std::size_t i = first; i < first + count; ++i) {
-    queue.push(scratch.rays[i], start, scratch.widths[i], 0.0F, static_cast<std::uint32_t>(i),
-               scratch.pool);
-  }
+  const Directions& rays = scratch.rays;
+  queue.push(rays.x + first, rays.y + first, rays.z + first, scratch.widths.data() + first, count,
+             start, static_cast<std::uint32_t>(first), scratch.pool);
 }
 
 void drop_rays(std::size_t first, std::size_t count, TraceScratch& scratch) {
