@@ -217,7 +217,8 @@ Quality compare(const Measured& reference, const Measured& test, const SphereCas
 // ---- rows ----
 
 std::string name_of(const SphereCase& row) {
-  return base::concat(row.scene, "_", row.method, "_", row.fovea_deg, "deg_", row.samples, "spp_",
+  const std::string scene = std::filesystem::path(row.scene).filename().string();
+  return base::concat(scene, "_", row.method, "_", row.fovea_deg, "deg_", row.samples, "spp_",
                       row.refresh, "_", row.edges, "_", row.views);
 }
 
