@@ -1,6 +1,8 @@
 // What a program needs inside a cone around a bundle of rays, by depth: the range of t is cut into
 // slabs whose length grows with t, and what cannot win in a slab's ball is pruned when the slab is
-// first asked for. Bundles inside a bundle start from what the outer one kept. Inside server/sdf.
+// first asked for. Where nothing is met over a longer way that way is one slab: lanes cross it in
+// few steps, and together. Bundles inside a bundle start from what the outer one kept. Inside
+// server/sdf.
 #pragma once
 
 #include <algorithm>
@@ -26,12 +28,19 @@ struct Cone {
 /// Around the unit directions, with room for their roundings.
 Cone cone_around(std::span<const Vec3> directions);
 
+/// In which the cone's directions stay over some range of t.
+struct Ball {
+  Vec3 centre{0.0F};
+  float radius = 0.0F;
+};
+
 /// How far beyond its ends a slab's code still holds, relative to t: room for Newton steps.
 inline constexpr float kSlabMargin = 4e-3F;
 
 struct Slab {
-  std::uint32_t key = 0;          ///< grows with depth
+  std::uint32_t key = 0;          ///< the first that it holds; grows with depth
   float low = 0.0F, high = 0.0F;  ///< t in [low, high)
+  bool open = false;              ///< its ball is free: it may be longer than others
   std::vector<Instruction> code;
   Tape tape;               ///< empty until tape_of asks for it
   Slab* shared = nullptr;  ///< whose code and tape serve as long as this one is not pruned, or null
@@ -66,7 +75,11 @@ class Slabs {
  private:
   std::uint32_t key_of(float t) const;
   Slab& make(std::uint32_t key, Registers& registers);
+  void cut_outermost(Slab& slab, Registers& registers);
+  void cut_within(Slab& slab, Registers& registers);
   void prune(Slab& slab, const std::vector<Instruction>& from, Registers& registers);
+  /// Around the part of the cone where t is in [low, high), with margins.
+  Ball ball_of(float low, float high) const;
 
   const Program* program_ = nullptr;
   Slabs* outer_ = nullptr;
