@@ -68,7 +68,7 @@ class SurfaceFinder {
       for (std::size_t i = 0; i < ids.size(); ++i)
         s_.points.set(i, s_.results[ids[i]].at * s_.rays[ids[i]]);
       evaluate_surface(tape, s_.points, ids.size(), s_.registers, s_.surfaces);
-      for (std::size_t i = 0; i < ids.size(); ++i) take(i, ids[i], slab);
+      for (std::size_t i = 0; i < ids.size(); ++i) take(i, ids[i]);
       evaluate(tape, s_.points, ids.size(), s_.registers, s_.distances);
       for (std::size_t i = 0; i < ids.size(); ++i) settle(i, ids[i]);
     }
@@ -76,7 +76,7 @@ class SurfaceFinder {
 
  private:
   /// Normal and material; the point a Newton step ahead into s_.points.
-  void take(std::size_t i, std::uint32_t id, const Slab& slab) {
+  void take(std::size_t i, std::uint32_t id) {
     const float at = s_.results[id].at;
     Hit& hit = hits_[id];
     const Vec3 gradient{s_.surfaces.x[i], s_.surfaces.y[i], s_.surfaces.z[i]};
@@ -87,8 +87,8 @@ class SurfaceFinder {
     hit.material = s_.surfaces.material[i];
     const float falls = -glm::dot(gradient, hit.direction);
     const float ahead = at + s_.surfaces.distance[i] / falls;
-    const bool holds = ahead >= slab.low * (1.0F - 0.9F * kSlabMargin) &&
-                       ahead <= slab.high * (1.0F + 0.9F * kSlabMargin);
+    // Within the slab's margin wherever in the slab the hit is.
+    const bool holds = std::abs(ahead - at) <= 0.9F * kSlabMargin * at;
     const bool moves = usable && falls > kNewtonSlope && holds;
     hit.t = moves ? ahead : at;
     s_.points.set(i, hit.t * hit.direction);

@@ -38,7 +38,11 @@ class HitShader {
         each(ShadedHit{hits[i], depth_[i], radiance_[i], albedo_[i]});
     }
   }
-  std::uint64_t non_finite() const { return non_finite_; }
+  ShadeWork work() const {
+    ShadeWork work = occlusion_.work();
+    work.non_finite = non_finite_;
+    return work;
+  }
 
  private:
   void light(std::span<const sdf::Hit> hits);
@@ -54,8 +58,7 @@ class HitShader {
   std::array<Rgb, sampling::kBatch> radiance_, albedo_, surface_radiance_, surface_albedo_;
 };
 
-/// Whether a ray met a surface: Hit, or Inside a solid; what was capped counts as met where it came
-/// to.
+/// Whether a ray met a surface: Hit, or Inside a solid.
 bool met_surface(const sdf::Hit& hit);
 
 }  // namespace macula::kernels::sphere

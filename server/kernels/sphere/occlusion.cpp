@@ -25,6 +25,12 @@ struct Occlusion::Lanes {
   std::size_t count = 0;
 };
 
+void Occlusion::measure(std::size_t count) {
+  sdf::evaluate(tape_, positions_, count, registers_, found_);
+  work_.field_evaluations += count;
+  work_.field_operations += count * operations_;
+}
+
 /// Leaves no lanes. A ray that runs out of steps creeps along a surface: it is hidden. At `s` to a
 /// wall a step goes s times the distance to it, so 512 steps carry a ray that starts a centimeter
 /// off a kilometer far unless it lies within 1.3 degrees of the wall.
@@ -35,7 +41,7 @@ void Occlusion::march(Lanes& lanes, float tan_radius, sampling::FloatBatch& reac
       const Lanes::Lane& lane = lanes.at[i];
       positions_.set(i, lane.origin + lane.t * lane.direction);
     }
-    sdf::evaluate(tape_, positions_, lanes.count, registers_, found_);
+    measure(lanes.count);
     std::size_t live = 0;
     for (std::size_t i = 0; i < lanes.count; ++i) {
       Lanes::Lane lane = lanes.at[i];
@@ -63,6 +69,7 @@ void Occlusion::light(const SurfaceBatch& points, const sampling::Vec3Batch& to_
   Lanes lanes;
   for (std::size_t i = 0; i < points.count; ++i) {
     if (wanted.at[i] != 0.0F) {
+      ++work_.shadow_rays;
       const float gap = surface_gap(points, i);
       const Vec3 normal = points.normal[i];
       const Vec3 out = glm::dot(normal, points.to_eye[i]) < 0.0F ? -normal : normal;
@@ -91,7 +98,7 @@ void Occlusion::near_sky(const SurfaceBatch& points, float reach_m,
         const float side = glm::dot(normal, points.to_eye[first + i]) < 0.0F ? -height : height;
         positions_.set(i, points.position[first + i] + side * normal);
       }
-      sdf::evaluate(tape_, positions_, count, registers_, found_);
+      measure(count);
       for (std::size_t i = 0; i < count; ++i)
         reaching.at[first + i] += weight * std::clamp(found_.at[i] / height, 0.0F, 1.0F);
     }

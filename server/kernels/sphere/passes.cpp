@@ -147,11 +147,13 @@ std::vector<image::Rect> tiles_of(const PixelGrid& grid) {
   return tiles;
 }
 
-FrameReport report_of(const sdf::TraceCounts& counts) {
+FrameReport report_of(const sdf::TraceCounts& counts, const ShadeWork& shading) {
   FrameReport report;
   report.primary_rays = counts.rays;
-  report.field_evaluations = counts.evaluations();
-  report.field_operations = counts.operations;
+  report.shadow_rays = shading.shadow_rays;
+  report.field_evaluations = counts.evaluations() + shading.field_evaluations;
+  report.field_operations = counts.operations + shading.field_operations;
+  report.non_finite_samples = shading.non_finite;
   report.unfinished_rays = counts.capped + counts.broken;
   return report;
 }
@@ -202,17 +204,18 @@ void ViewRun::run_tiles(const PixelGrid& grid, Begin begin, Tile trace_tile) {
   if (report_.stopped) return;
   const std::vector<image::Rect> tiles = tiles_of(grid);
   std::vector<sdf::TraceCounts> counts(tiles.size());
-  std::vector<std::uint64_t> non_finite(tiles.size(), 0);
+  std::vector<ShadeWork> shading(tiles.size());
   const Outcome outcome = scheduler_.run(tiles.size(), [&](std::size_t i) {
     WorkspacePool::Loan workspace(pool_);
     auto take = begin();
     counts[i] = trace_tile(tiles[i], *workspace, std::ref(take));
-    non_finite[i] = take.non_finite();
+    shading[i] = take.work();
   });
   sdf::TraceCounts sum;
   for (const sdf::TraceCounts& part : counts) sum += part;
-  report_ += report_of(sum);
-  for (const std::uint64_t count : non_finite) report_.non_finite_samples += count;
+  ShadeWork shaded;
+  for (const ShadeWork& part : shading) shaded += part;
+  report_ += report_of(sum, shaded);
   report_.stopped = report_.stopped || outcome == Outcome::Stopped;
 }
 
@@ -233,7 +236,7 @@ class ShadeInto {
       : shader_(context, grid, samples), writer_(writer) {}
 
   void operator()(const sdf::HitBlock& block) { shader_.shade(block, std::ref(writer_)); }
-  std::uint64_t non_finite() const { return shader_.non_finite(); }
+  ShadeWork work() const { return shader_.work(); }
 
  private:
   HitShader shader_;
@@ -250,7 +253,7 @@ void ViewRun::trace_cells(const Plane<std::uint8_t>* mask) {
 /// Takes nothing: levels that only guide the next.
 struct Guide {
   void operator()(const sdf::HitBlock&) const {}
-  static std::uint64_t non_finite() { return 0; }
+  static ShadeWork work() { return {}; }
 };
 
 void ViewRun::trace_paper_pyramid() {
@@ -297,7 +300,7 @@ class LowDepths {
       low_.distance(hit.x, hit.y) = met ? hit.t : kInfinity;
     }
   }
-  static std::uint64_t non_finite() { return 0; }
+  static ShadeWork work() { return {}; }
 
  private:
   const ViewContext& context_;
@@ -319,7 +322,7 @@ class LowColors {
       low_.luminance(shaded.hit.x, shaded.hit.y) = image::srgb_from_linear(image::luminance(seen));
     });
   }
-  std::uint64_t non_finite() const { return shader_.non_finite(); }
+  ShadeWork work() const { return shader_.work(); }
 
  private:
   const ViewContext& context_;

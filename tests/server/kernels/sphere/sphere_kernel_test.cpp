@@ -325,6 +325,42 @@ TEST(SphereKernel, ShadowsLieWhereTheSunIsHidden) {
   EXPECT_NEAR(floor_radiance(*scene, config, 1.5), lit, 1e-3F);
 }
 
+TEST(SphereKernel, CountsTheRaysToLightsAndSky) {
+  const auto scene = frame_of_text(R"({
+    "sky": 1, "far": 50,
+    "materials": {"white": {"color": 0.5}},
+    "suns": [{"direction": [0, -1, 0], "irradiance": 3}],
+    "scene": {"type": "plane", "normal": [0, 1, 0], "material": "white"}
+  })");
+  View view = view_of(*scene, 16, 30.0);
+  view.world_from_view = math::look_at({0.0, 2.0, 0.1}, {0.0, 0.0, 0.0}, {0, 1, 0});
+  KernelOptions options;
+  options.mode = Mode::Exact;
+  options.samples_per_cell = 2;
+  options.ambient_samples = 3;
+  Session exact(make_config(options));
+  exact.next(*scene, view);
+  constexpr std::uint64_t kSamples = 16 * 16 * 2;  // each meets the floor, which the sun lights
+  EXPECT_EQ(exact.report().primary_rays, kSamples);
+  EXPECT_EQ(exact.report().shadow_rays, kSamples * (1 + 3));
+  Session plain(unfoveated(Tracing::Pyramid, 2));
+  plain.next(*scene, view);
+  EXPECT_EQ(plain.report().shadow_rays, 0U);
+  EXPECT_GT(exact.report().field_evaluations, plain.report().field_evaluations);
+}
+
+TEST(SphereKernel, ExactHasTheSameBitsForAnyNumberOfThreads) {
+  const auto scene = frame_of("temple", 0.5);
+  const View view = view_of(*scene, 144);  // tiles of two sizes
+  KernelOptions options;
+  options.mode = Mode::Exact;
+  options.ambient_samples = 1;
+  Session one(make_config(options), 1), three(make_config(options), 3);
+  EXPECT_TRUE(same_bits(one.next(*scene, view).radiance, three.next(*scene, view).radiance));
+  EXPECT_EQ(one.report().shadow_rays, three.report().shadow_rays);
+  EXPECT_EQ(one.report().field_evaluations, three.report().field_evaluations);
+}
+
 TEST(SphereKernel, BesideAWallHalfTheSkyIsHidden) {
   const auto scene = frame_of_text(R"({
     "sky": 1, "far": 1000,
