@@ -18,7 +18,8 @@ struct Occlusion::Lanes {
   struct Lane {
     std::size_t point = 0;
     Vec3 origin{0.0F}, direction{0.0F};
-    float t = 0.0F, end = 0.0F, least = 0.0F;
+    float t = 0.0F, end = 0.0F;
+    float least = 0.0F;  ///< least step; at half of it as distance something is met
     float clear = 1.0F;  ///< least ratio of distance to the light's width so far
   };
   std::array<Lane, sdf::kBatch> at;
@@ -32,10 +33,10 @@ void Occlusion::measure(std::size_t count) {
 }
 
 /// Leaves no lanes. A ray that runs out of steps creeps along a surface: it is hidden. At `s` to a
-/// wall a step goes s times the distance to it, so 512 steps carry a ray that starts a centimeter
-/// off a kilometer far unless it lies within 1.3 degrees of the wall.
+/// wall a step goes s times the distance to it, so 1024 steps carry a ray that starts a centimeter
+/// off a kilometer far unless it lies within 0.65 degrees of the wall (times the field's bound).
 void Occlusion::march(Lanes& lanes, float tan_radius, sampling::FloatBatch& reaching) {
-  constexpr int kMostSteps = 512;
+  constexpr int kMostSteps = 1024;
   for (int step = 0; step < kMostSteps && lanes.count > 0; ++step) {
     for (std::size_t i = 0; i < lanes.count; ++i) {
       const Lanes::Lane& lane = lanes.at[i];
@@ -48,6 +49,8 @@ void Occlusion::march(Lanes& lanes, float tan_radius, sampling::FloatBatch& reac
       const float distance = found_.at[i];
       if (tan_radius > 0.0F && lane.t > 0.0F)
         lane.clear = std::min(lane.clear, distance / (tan_radius * lane.t));
+      // A field of a large bound is small also where its surface is as far as the gap.
+      if (lane.t == 0.0F) lane.least = std::clamp(distance, 0.0F, lane.least);
       lane.t += std::max(distance, lane.least);
       const bool hidden = !(distance > 0.5F * lane.least) || lane.clear <= 0.0F;
       if (hidden) lane.clear = 0.0F;

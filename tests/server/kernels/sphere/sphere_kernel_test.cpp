@@ -325,6 +325,26 @@ TEST(SphereKernel, ShadowsLieWhereTheSunIsHidden) {
   EXPECT_NEAR(floor_radiance(*scene, config, 1.5), lit, 1e-3F);
 }
 
+// The cliff of scene `temple` was black: its distances, which a large bound divides, were taken for
+// those of something in the way.
+TEST(SphereKernel, ShadowRaysLeaveSurfacesOfALargeBound) {
+  for (const char* bound : {"1", "3", "8"}) {
+    const std::string text = std::string(R"({
+      "sky": 1, "far": 50,
+      "materials": {"white": {"color": 0.5}},
+      "suns": [{"direction": [0, -1, 0], "irradiance": 3}],
+      "scene": {"type": "plane", "normal": [0, 1, 0], "material": "white", "lipschitz": )") +
+                             bound + "}}";
+    const auto scene = frame_of_text(text.c_str());
+    Config config = unfoveated(Tracing::Pyramid);
+    config.lighting.shadows = Shadows::Hard;
+    config.lighting.sky = SkyLight::Traced;
+    config.lighting.sky_samples = 64;
+    const float lit = 0.5F + 3.0F * 0.5F / 3.14159265F;
+    EXPECT_NEAR(floor_radiance(*scene, config, 0.0), lit, 0.02F * lit) << bound;
+  }
+}
+
 TEST(SphereKernel, CountsTheRaysToLightsAndSky) {
   const auto scene = frame_of_text(R"({
     "sky": 1, "far": 50,
