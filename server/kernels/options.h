@@ -10,6 +10,10 @@ enum class Mode { Exact, Fast };
 /// Whether mode Fast may take cells from earlier frames instead of tracing them; kernel `ray` only.
 enum class Reuse { Nothing, EarlierFrames };
 
+/// Whether mode Fast asks as many lights everywhere, or as many as the eye would see the difference
+/// (then area_light_samples is not used); kernel `lightcuts` only.
+enum class LightShare { Uniform, Perceived };
+
 struct KernelOptions {
   Mode mode = Mode::Fast;
   int samples_per_cell = 1;     ///< n; a square number gives a regular n = k x k pattern
@@ -20,6 +24,7 @@ struct KernelOptions {
   int bounces = 0;              ///< diffuse bounces by path tracing; brute force only
   bool lambert_only = false;    ///< every material becomes Lambert with its base colour
   Reuse reuse = Reuse::Nothing;
+  LightShare light_share = LightShare::Uniform;
 };
 
 }  // namespace macula::kernels

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "server/kernels/brute.h"
-#include "server/kernels/lightcuts/config.h"
+#include "server/kernels/lightcuts/lightcuts_kernel.h"
 #include "server/kernels/ray/ray_kernel.h"
 #include "server/kernels/sphere/sphere_kernel.h"
 #include "shared/base/text.h"
@@ -23,7 +23,8 @@ constexpr std::array kTable{
                 }},
     KernelEntry{"lightcuts", SceneKind::Triangles, 0, kAnyCount,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
-                  return std::make_unique<ray::RayKernel>(lightcuts::make_config(options));
+                  return std::make_unique<lightcuts::LightcutsKernel>(
+                      lightcuts::make_config(options));
                 }},
     KernelEntry{"sphere", SceneKind::Field, 0, sphere::kMostSamples,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {

@@ -28,15 +28,17 @@ double stratified(sampling::SampleKey key, std::uint32_t dimension, std::uint32_
 }  // namespace
 
 void CutSampler::cut(const sampling::Vec3Batch& points, const sampling::Vec3Batch& normals,
-                     std::size_t count) {
-  MACULA_DCHECK(count <= sampling::kBatch);
+                     std::size_t count, std::span<const std::uint16_t> most) {
+  MACULA_DCHECK(count <= sampling::kBatch && (most.empty() || most.size() >= count));
   count_ = count;
   rounds_ = 0;
   nodes_.clear();
   for (std::size_t i = 0; i < count; ++i) {
     first_[i] = static_cast<std::uint32_t>(nodes_.size());
     receivers_[i] = {points[i], normals[i]};
-    LightWalk(tree_, receivers_[i], rule_).cut(most_nodes_, cut_);
+    const std::size_t nodes = most.empty() ? most_nodes_ : most[i];
+    MACULA_DCHECK(nodes >= 1 && nodes <= most_nodes_);
+    LightWalk(tree_, receivers_[i], rule_).cut(nodes, cut_);
     nodes_.insert(nodes_.end(), cut_.nodes.begin(), cut_.nodes.end());
     rounds_ = std::max(rounds_, cut_.nodes.size());
   }

@@ -21,9 +21,10 @@ class CutSampler {
              WeightRule rule = WeightRule::NearAndFar)
       : tree_(tree), most_nodes_(most_nodes), rule_(rule) {}
 
-  /// Makes the cuts of receivers at `points` with unit `normals`.
-  void cut(const sampling::Vec3Batch& points, const sampling::Vec3Batch& normals,
-           std::size_t count);
+  /// Makes the cuts of receivers at `points` with unit `normals`, of at most `most_nodes` each, or
+  /// of most[i] where there are any: >= 1 and no more than `most_nodes`.
+  void cut(const sampling::Vec3Batch& points, const sampling::Vec3Batch& normals, std::size_t count,
+           std::span<const std::uint16_t> most = {});
   /// Nodes of the largest cut.
   std::size_t rounds() const { return rounds_; }
   /// One light of the `round`-th node of every cut that has it. Draws of one key are stratified

@@ -16,6 +16,7 @@
 #include "tests/bench/compare.h"
 #include "tests/bench/contact_sheet.h"
 #include "tests/bench/light_tree.h"
+#include "tests/bench/lightcuts.h"
 #include "tests/bench/motion.h"
 #include "tests/bench/ray.h"
 #include "tests/bench/sphere.h"
@@ -232,6 +233,37 @@ Run declare_motion(CLI::App& command) {
   return [options]() -> Result<void> { return run_motion(*options); };
 }
 
+Run declare_lightcuts(CLI::App& command) {
+  auto options = std::make_shared<LightcutsOptions>();
+  command.add_option("--scene", options->scene, "Built-in scene or scene file, with lights")
+      ->required()
+      ->option_text("NAME|FILE");
+  command.add_option("--frames", options->frames, "Timed and judged, each with a seed of its own")
+      ->check(CLI::Range(1, 1000))
+      ->option_text("N (4)");
+  command
+      .add_option("--reference-nodes", options->reference_nodes,
+                  "Of the cuts of the half-references")
+      ->check(CLI::Range(1, 1 << 14))
+      ->option_text("N (256)");
+  command.add_option("--reference-passes", options->reference_passes, "Of each half-reference")
+      ->check(CLI::Range(1, 1 << 14))
+      ->option_text("N (4)");
+  command.add_flag("--quick", options->quick, "360x425, one frame, one pass of 96 nodes");
+  command.add_option("--threads", options->threads, "0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N (0)");
+  command.add_option("--pictures", options->pictures, "Maps and pictures of every method")
+      ->option_text("FOLDER");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  command.footer(
+      "sl asks as many lights in every pixel; its rows are the curve that gains and speeds are\n"
+      "read from. lspp is the size that cuts may have; a low-resolution picture comes on top.\n"
+      "mse is of display-linear values, relmse of radiance; both may be negative where they lie\n"
+      "below the noise of the references.");
+  return [options]() -> Result<void> { return run_lightcuts(*options); };
+}
+
 Run declare_light_tree(CLI::App& command) {
   auto options = std::make_shared<LightTreeOptions>();
   command.add_flag("--quick", options->quick, "A tenth of the repetitions");
@@ -368,6 +400,7 @@ constexpr Experiment kExperiments[] = {
     {"compare", "Every metric on two pictures", declare_compare},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
     {"light-tree", "What a tree over moving lights costs, and walks down it", declare_light_tree},
+    {"lightcuts", "Methods of kernel lightcuts at equal time and equal error", declare_lightcuts},
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},

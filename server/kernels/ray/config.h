@@ -11,8 +11,8 @@ namespace macula::kernels::ray {
 enum class Placement { Fixed, Jittered };
 
 /// Every: all punctual lights, and emissive triangles drawn by power. ByCut: the lights of a cut of
-/// the light tree (kernel `lightcuts`).
-enum class LightChoice { Every, ByCut };
+/// the light tree (kernel `lightcuts`). None: surfaces only, for the planes; nothing is lit.
+enum class LightChoice { Every, ByCut, None };
 
 struct Config {
   Mode mode = Mode::Fast;

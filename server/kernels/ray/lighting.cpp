@@ -75,6 +75,7 @@ class Pass {
 
 /// Only what the plan holds; a light list without the step is empty.
 void Pass::run() {
+  if (config_.lights == LightChoice::None) return;
   const bool by_cut = config_.lights == LightChoice::ByCut;
   const auto lights = by_cut ? scene_.placed_lights().apart() : scene_.lights().punctual();
   for (std::size_t k = 0; k < lights.size(); ++k) add_punctual(lights[k], k);
@@ -121,7 +122,7 @@ void Pass::add_cut() {
   const lights::PlacedLights& lights = scene_.placed_lights();
   const auto most = static_cast<std::size_t>(config_.area_light_samples);
   lights::CutSampler sampler(lights.tree(), most);
-  sampler.cut(points_.position, points_.reflectors.shading, n_);
+  sampler.cut(points_.position, points_.reflectors.shading, n_, points_.cut_nodes);
   lights::LightDraws draws{};
   scramble(kAreaDimension);
   for (std::size_t round = 0; round < sampler.rounds(); ++round) {

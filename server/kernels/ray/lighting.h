@@ -28,8 +28,10 @@ struct LitPoints {
   std::vector<shading::Reflector> whole;
   bool keeps_whole = false;
   sampling::SampleKey keys[sampling::kBatch];  ///< identity of their cells' random numbers
+  /// Most nodes of each point's cut, >= 1; empty: Config::area_light_samples.
+  std::vector<std::uint16_t> cut_nodes;
 
-  void clear() { count = 0, whole.clear(); }
+  void clear() { count = 0, whole.clear(), cut_nodes.clear(); }
   void push(const DVec3& point, const shading::Reflector& reflector, sampling::SampleKey key);
 };
 static_assert(sampling::kBatch == visibility::kStreamCapacity);

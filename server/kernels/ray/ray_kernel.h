@@ -3,10 +3,16 @@
 // render for many sessions at once. README.md in this folder has the rules in one screen.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "server/kernels/kernel.h"
 #include "server/kernels/ray/config.h"
 
 namespace macula::kernels::ray {
+
+/// What mode Fast does not leave unbiased.
+std::vector<std::string> shortcuts(const SceneFrame& scene);
 
 class RayKernel final : public Kernel {
  public:

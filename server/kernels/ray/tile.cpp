@@ -126,6 +126,9 @@ class TileRun {
     if (guide) write_guide_hit(i, request, shaded.reflector.frame());
     owner_[points_.count] = static_cast<std::uint16_t>(i);
     points_.push(surface.position, shaded.reflector, cells_[i].key);
+    if (context_.cut_nodes != nullptr) {
+      points_.cut_nodes.push_back((*context_.cut_nodes)(cells_[i].x, cells_[i].y));
+    }
   }
 
   float uv_per_meter(std::size_t i) const {

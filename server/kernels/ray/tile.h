@@ -24,6 +24,8 @@ struct ViewContext {
   unsigned wanted = 0;
   Mat3 world_from_view{1.0F};
   Vec3 eye{0.0F};
+  /// Most nodes of the cuts in each cell, >= 1 and at most Config::area_light_samples; none: that.
+  const image::Plane<std::uint16_t>* cut_nodes = nullptr;
 
   ViewContext(const View& view, const SceneFrame& scene, const Config& config,
               const FrameRequest& request, unsigned wanted);

@@ -1,0 +1,275 @@
+#include "tests/bench/lightcuts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "shared/image/draw.h"
+#include "shared/image/png.h"
+#include "tests/bench/lightcuts_setting.h"
+#include "tests/bench/progress.h"
+#include "tests/bench/report.h"
+
+namespace macula::bench {
+namespace {
+
+using kernels::lightcuts::Config;
+using kernels::lightcuts::CutSizes;
+using kernels::lightcuts::PerceptionMode;
+using scheduling::TileScheduler;
+
+struct Method {
+  std::string name;
+  Config config;
+  bool on_curve = false;  ///< sl at some number of samples
+};
+
+std::vector<Method> methods(bool quick) {
+  std::vector<Method> all;
+  for (int nodes = 1; nodes <= (quick ? 32 : 64); nodes *= 2) {
+    all.push_back({"sl", uniform_cuts(nodes), true});
+  }
+  all.push_back({"sl_as", perceived_cuts(PerceptionMode::Stengel)});
+  all.push_back({"paper_no_reuse", perceived_cuts(PerceptionMode::Attenuation)});
+  return all;
+}
+
+/// What a method did, means over its frames.
+struct Measured {
+  double cpu_ms = 0.0, wall_ms = 0.0, fpsm_ms = 0.0, samples = 0.0;
+  double mean_lspp = 0.0;  ///< nodes that cuts were allowed, a pixel
+  Regional lspp;
+  LightcutsErrors errors;
+};
+
+Plane<float> as_floats(const Plane<std::uint16_t>& nodes) {
+  Plane<float> plane(nodes.width(), nodes.height());
+  std::ranges::copy(nodes.pixels(), plane.pixels().begin());
+  return plane;
+}
+
+double mean_of(const Plane<float>& plane) {
+  double sum = 0.0;
+  for (const float value : plane.pixels()) sum += static_cast<double>(value);
+  return sum / static_cast<double>(plane.size());
+}
+
+/// Straight in the logarithms between the points of a falling curve, and beyond them along its
+/// ends.
+class Curve {
+ public:
+  struct Point {
+    double x, y;
+  };
+  explicit Curve(std::vector<Point> points) : points_(std::move(points)) {
+    std::ranges::sort(points_, {}, &Point::x);
+  }
+  /// nullopt: fewer than two points, or a value that has no logarithm.
+  std::optional<double> at(double x) const {
+    if (points_.size() < 2 || !(x > 0.0)) return std::nullopt;
+    std::size_t right = 1;
+    while (right + 1 < points_.size() && points_[right].x < x) ++right;
+    const Point &a = points_[right - 1], &b = points_[right];
+    if (!(a.x > 0.0 && b.x > a.x && a.y > 0.0 && b.y > 0.0)) return std::nullopt;
+    const double slope = std::log(b.y / a.y) / std::log(b.x / a.x);
+    return a.y * std::pow(x / a.x, slope);
+  }
+
+ private:
+  std::vector<Point> points_;
+};
+
+template <class Value>
+double or_nan(const std::optional<double>& value, const Value& then) {
+  return value ? then(*value) : std::nan("");
+}
+
+class Run {
+ public:
+  Run(const LightcutsSetting& setting, const LightcutsJudge& judge, const LightcutsOptions& options,
+      TileScheduler& scheduler)
+      : setting_(setting), judge_(judge), options_(options), scheduler_(scheduler) {}
+
+  void measure(const Method& method) {
+    Measured all;
+    sizes_of(method, all);
+    const auto frames = static_cast<double>(options_.frames);
+    for (int k = 0; k < options_.frames; ++k) {
+      const Picture one =
+          picture_of(setting_, method.config, static_cast<std::uint64_t>(k + 1), scheduler_);
+      all.cpu_ms += one.cpu_ms / frames, all.wall_ms += one.wall_ms / frames;
+      all.fpsm_ms += one.report.mask_ms / frames;
+      all.samples += static_cast<double>(one.report.shadow_rays) / frames;
+      add(judge_.errors(one.radiance), 1.0 / frames, all.errors);
+      if (k == 0) keep(method, one.radiance);
+    }
+    measured_.push_back({method, all});
+  }
+
+  std::vector<Fields> rows() const {
+    std::vector<Fields> rows;
+    for (const Row& row : measured_) rows.push_back(fields(row));
+    return rows;
+  }
+
+ private:
+  struct Row {
+    Method method;
+    Measured measured;
+  };
+
+  static void add(const LightcutsErrors& one, double share, LightcutsErrors& sum) {
+    sum.mse.f25 += share * one.mse.f25, sum.mse.out25 += share * one.mse.out25;
+    sum.relmse.f25 += share * one.relmse.f25, sum.relmse.out25 += share * one.relmse.out25;
+  }
+
+  void sizes_of(const Method& method, Measured& all) {
+    if (method.config.sizes == CutSizes::Uniform) {
+      all.mean_lspp = method.config.ray.area_light_samples;
+      all.lspp = {all.mean_lspp, all.mean_lspp};
+      return;
+    }
+    const auto plan = plan_of(setting_, method.config, scheduler_);
+    const Plane<float> nodes = as_floats(plan.cut_nodes.front());
+    all.mean_lspp = mean_of(nodes);
+    all.lspp = judge_.mean(nodes);
+  }
+
+  void keep(const Method& method, const Plane<Rgb>& radiance) const {
+    if (options_.pictures.empty()) return;
+    Plane<Rgb8> shown;
+    image::encode(setting_.view.tone, radiance, shown);
+    const std::string name = method.on_curve
+                                 ? "sl_" + std::to_string(method.config.ray.area_light_samples)
+                                 : method.name;
+    if (!image::write_png(options_.pictures + "/" + name + ".png", shown)) {
+      std::fprintf(stderr, "%s: cannot be written\n", name.c_str());
+    }
+  }
+
+  template <class Error>
+  Curve curve(const Error& error_of, bool time_from_error) const {
+    std::vector<Curve::Point> points;
+    for (const Row& row : measured_) {
+      if (!row.method.on_curve) continue;
+      const double time = row.measured.cpu_ms, error = error_of(row.measured);
+      points.push_back(time_from_error ? Curve::Point{error, time} : Curve::Point{time, error});
+    }
+    return Curve(std::move(points));
+  }
+
+  Fields fields(const Row& row) const {
+    const Measured& m = row.measured;
+    const auto inside = [](const Measured& one) { return one.errors.mse.f25; };
+    const auto outside = [](const Measured& one) { return one.errors.mse.out25; };
+    const double gain_f25 =
+        or_nan(curve(inside, false).at(m.cpu_ms), [&](double sl) { return sl / inside(m); });
+    const double gain_out25 =
+        or_nan(curve(outside, false).at(m.cpu_ms), [&](double sl) { return sl / outside(m); });
+    const double speed_f25 =
+        or_nan(curve(inside, true).at(inside(m)), [&](double sl) { return sl / m.cpu_ms; });
+    return {{"scene", options_.scene},
+            {"lights", static_cast<std::int64_t>(setting_.lights)},
+            {"gaze", std::string("0,0")},
+            {"method", row.method.name},
+            {"cpu_ms", m.cpu_ms},
+            {"wall_ms", m.wall_ms},
+            {"mean_lspp", m.mean_lspp},
+            {"lspp_f25", m.lspp.f25},
+            {"lspp_out25", m.lspp.out25},
+            {"mse_f25", m.errors.mse.f25},
+            {"mse_out25", m.errors.mse.out25},
+            {"relmse_f25", m.errors.relmse.f25},
+            {"relmse_out25", m.errors.relmse.out25},
+            {"fpsm_ms", m.fpsm_ms},
+            {"samples_s", m.samples / (1e-3 * m.cpu_ms)},
+            {"gain_f25", gain_f25},
+            {"gain_out25", gain_out25},
+            {"speed_f25", speed_f25}};
+  }
+
+  const LightcutsSetting& setting_;
+  const LightcutsJudge& judge_;
+  const LightcutsOptions& options_;
+  TileScheduler& scheduler_;
+  std::vector<Row> measured_;
+};
+
+/// Every mode's map at the mean number of samples that the default has, in false colour.
+Result<void> write_maps(const LightcutsSetting& setting, const std::string& folder,
+                        TileScheduler& scheduler) {
+  const auto plan = plan_of(setting, perceived_cuts(PerceptionMode::Attenuation), scheduler);
+  const double mean = mean_of(as_floats(plan.cut_nodes.front()));
+  struct Named {
+    const char* name;
+    PerceptionMode mode;
+  };
+  for (const Named& one :
+       {Named{"printed", PerceptionMode::Printed}, Named{"difference", PerceptionMode::Difference},
+        Named{"attenuation", PerceptionMode::Attenuation},
+        Named{"stengel", PerceptionMode::Stengel}}) {
+    Config config = perceived_cuts(one.mode);
+    config.mean_nodes = mean;
+    const auto made = plan_of(setting, config, scheduler);
+    const auto most = static_cast<float>(config.most_nodes);
+    auto ok = image::write_png(folder + "/map_" + one.name + ".png",
+                               image::false_color(as_floats(made.cut_nodes.front()), 0.0F, most));
+    if (!ok) return ok;
+  }
+  const auto& map = plan.maps.front();
+  if (auto ok = image::write_png(folder + "/feature_spatial.png",
+                                 image::false_color(map.spatial, 0.0F, 1.0F));
+      !ok) {
+    return ok;
+  }
+  return image::write_png(folder + "/feature_luminance.png",
+                          image::false_color(map.luminance, 0.0F, 1.0F));
+}
+
+LightcutsOptions quickened(LightcutsOptions options) {
+  if (!options.quick) return options;
+  options.reference_nodes = std::min(options.reference_nodes, 96);
+  options.reference_passes = 1;
+  options.frames = 1;
+  return options;
+}
+
+Fields effective(const LightcutsOptions& options, const LightcutsJudge& judge) {
+  return {{"scene", options.scene},
+          {"quick", options.quick},
+          {"frames", std::int64_t{options.frames}},
+          {"reference_nodes", std::int64_t{options.reference_nodes}},
+          {"reference_passes", std::int64_t{options.reference_passes}},
+          {"share_of_f25", judge.share_of_f25()}};
+}
+
+}  // namespace
+
+Result<void> run_lightcuts(const LightcutsOptions& asked) {
+  const LightcutsOptions options = quickened(asked);
+  TileScheduler scheduler(options.threads);
+  const auto setting = LightcutsSetting::make(options.scene, options.quick, scheduler);
+  if (!setting) return base::forward(setting);
+  if (!options.pictures.empty()) {
+    std::error_code ignored;  // a folder that cannot be made shows when it is written to
+    std::filesystem::create_directories(options.pictures, ignored);
+    if (auto ok = write_maps(*setting, options.pictures, scheduler); !ok) return ok;
+  }
+  const LightcutsJudge judge(*setting, options.reference_nodes, options.reference_passes,
+                             scheduler);
+  Run run(*setting, judge, options, scheduler);
+  const std::vector<Method> all = methods(options.quick);
+  Progress progress("lightcuts", static_cast<std::int64_t>(all.size()));
+  for (const Method& method : all) {
+    run.measure(method);
+    progress.advance();
+  }
+  const Report report{"lightcuts", effective(options, judge), run.rows()};
+  std::fputs(table_text(report.rows).c_str(), stdout);
+  return options.json.empty() ? Result<void>{} : write_json(options.json, report);
+}
+
+}  // namespace macula::bench

@@ -1,0 +1,25 @@
+// `macula-bench lightcuts`: kernel lightcuts' methods against stochastic lightcuts with as many
+// samples everywhere (sl), at equal time and at equal error. Radiance is compared on display-linear
+// values at the row's exposure, by cross-MSE against two independent half-references.
+#pragma once
+
+#include <string>
+
+#include "shared/base/result.h"
+
+namespace macula::bench {
+
+struct LightcutsOptions {
+  std::string scene;
+  bool quick = false;         ///< 360 x 425, gaze in the middle, one frame, fewer references
+  int reference_nodes = 256;  ///< of the cuts of each half-reference, every pixel of every pass
+  int reference_passes = 4;   ///< of each half
+  int frames = 4;             ///< judged and timed, a seed each
+  int threads = 0;            ///< 0: all the machine has
+  std::string pictures;       ///< folder for maps and pictures of every method; empty: none
+  std::string json;           ///< report; empty: none
+};
+
+Result<void> run_lightcuts(const LightcutsOptions& options);
+
+}  // namespace macula::bench

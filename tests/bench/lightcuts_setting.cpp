@@ -1,0 +1,189 @@
+#include "tests/bench/lightcuts_setting.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/scene/load.h"
+#include "shared/image/regions.h"
+#include "tests/bench/stopwatch.h"
+
+namespace macula::bench {
+namespace {
+
+using kernels::lightcuts::Config;
+using kernels::lightcuts::CutSizes;
+using scheduling::TileScheduler;
+
+constexpr double kTangent = 1.1;
+constexpr int kWidth_px = 720, kHeight_px = 850;
+constexpr double kStandingEye_m = 1.6;
+constexpr std::uint64_t kFirstReferenceSeed = 1'000'000, kSecondReferenceSeed = 2'000'000;
+
+Pose starting_pose(const scene::Scene& scene) {
+  if (!scene.cameras.empty()) return scene::pose_at(scene, {}).world_from_view.front();
+  return scene.settings.scene_from_stage *
+         Pose{DVec3{0.0, kStandingEye_m, 0.0}, DQuat{1.0, 0.0, 0.0, 0.0}};
+}
+
+foveation::Display paper_display(bool half) {
+  const int divisor = half ? 2 : 1;
+  const Radians across{std::atan(kTangent)}, up{std::atan(kTangent * kHeight_px / kWidth_px)};
+  return {{-across, across, up, -up}, kWidth_px / divisor, kHeight_px / divisor};
+}
+
+FoveationMap map_of(const LightcutsSetting& setting) {
+  return {{{setting.view.grid, setting.view.gaze, setting.display.pixel_tangent()}}, {}};
+}
+
+float exposure_of(const Plane<Rgb>& radiance) {
+  double sum = 0.0;
+  for (const Rgb& value : radiance.pixels()) sum += static_cast<double>(image::luminance(value));
+  const double mean = sum / static_cast<double>(radiance.size());
+  return mean > 0.0 ? static_cast<float>(std::log2(0.18 / mean)) : 0.0F;
+}
+
+Plane<Rgb> mean_picture(const LightcutsSetting& setting, int nodes, int passes, std::uint64_t seed,
+                        TileScheduler& scheduler) {
+  Plane<Rgb> mean(setting.display.width_px, setting.display.height_px);
+  for (int pass = 0; pass < passes; ++pass) {
+    const Picture one = picture_of(setting, uniform_cuts(nodes),
+                                   seed + static_cast<std::uint64_t>(pass), scheduler);
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      mean.pixels()[i] += one.radiance.pixels()[i] / static_cast<float>(passes);
+    }
+  }
+  return mean;
+}
+
+}  // namespace
+
+Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool half,
+                                                TileScheduler& scheduler) {
+  const auto loaded = scene::load_scene(name);
+  if (!loaded) return base::forward(loaded);
+  const scene::SceneFacts facts = scene::facts_of(**loaded);
+  auto frame =
+      kernels::SceneFrame::create(*loaded, scene::ScenePlan(facts, {.kernel = "lightcuts"}));
+  if (!frame) return base::forward(frame);
+  if ((*frame)->placed_lights().size() == 0) {
+    return base::bad_input("the scene has no light with a place", name,
+                           "scenes with point lights, spots or emissive triangles");
+  }
+  LightcutsSetting setting;
+  setting.scene = std::move(*frame);
+  setting.display = paper_display(half);
+  setting.view.grid = foveation::make_uniform_grid(setting.display);
+  setting.view.world_from_view = starting_pose(**loaded);
+  setting.lights = setting.scene->placed_lights().size();
+  constexpr int kExposureNodes = 8;
+  setting.view.tone.exposure_ev =
+      exposure_of(picture_of(setting, uniform_cuts(kExposureNodes), 1, scheduler).radiance);
+  return setting;
+}
+
+Config uniform_cuts(int nodes) {
+  kernels::KernelOptions options;
+  options.jitter = false;
+  options.area_light_samples = nodes;
+  options.ambient_samples = 0;
+  return kernels::lightcuts::make_config(options);
+}
+
+Config perceived_cuts(kernels::lightcuts::PerceptionMode mode) {
+  Config config = uniform_cuts(1);
+  config.sizes = CutSizes::Perceived;
+  config.perception.mode = mode;
+  return config;
+}
+
+Picture picture_of(const LightcutsSetting& setting, const Config& config, std::uint64_t seed,
+                   TileScheduler& scheduler) {
+  const FoveationMap map = map_of(setting);
+  kernels::History history;
+  kernels::FrameBuffers out;
+  const kernels::lightcuts::LightcutsKernel kernel(config);
+  Stopwatch watch;
+  Picture picture;
+  picture.report =
+      kernel.render({{&setting.view, 1}, map, 0, seed}, *setting.scene, history, scheduler, out);
+  const Lap lap = watch.lap();
+  picture.cpu_ms = lap.cpu_ms, picture.wall_ms = lap.wall_ms;
+  picture.radiance = std::move(out.views.front().radiance);
+  return picture;
+}
+
+kernels::lightcuts::LightPlan plan_of(const LightcutsSetting& setting, const Config& config,
+                                      TileScheduler& scheduler) {
+  const FoveationMap map = map_of(setting);
+  return kernels::lightcuts::plan_lights({{&setting.view, 1}, map, 0, 1}, *setting.scene, config,
+                                         scheduler);
+}
+
+LightcutsJudge::LightcutsJudge(const LightcutsSetting& setting, int nodes, int passes,
+                               TileScheduler& scheduler)
+    : tone_(setting.view.tone),
+      first_(mean_picture(setting, nodes, passes, kFirstReferenceSeed, scheduler)),
+      second_(mean_picture(setting, nodes, passes, kSecondReferenceSeed, scheduler)),
+      eccentricity_(setting.display.width_px, setting.display.height_px) {
+  const FoveationMap map = map_of(setting);
+  for (int y = 0; y < eccentricity_.height(); ++y) {
+    map.eccentricity_row(0, y, eccentricity_.row(y));
+  }
+}
+
+template <class Value>
+Regional LightcutsJudge::regional(const Value& value_at) const {
+  double sum[2] = {0.0, 0.0};
+  std::size_t count[2] = {0, 0};
+  for (std::size_t i = 0; i < eccentricity_.size(); ++i) {
+    const bool inside = image::contains(image::Region::F25,
+                                        Radians{static_cast<double>(eccentricity_.pixels()[i])});
+    sum[inside] += value_at(i);
+    ++count[inside];
+  }
+  const auto mean = [&](int k) {
+    return count[k] > 0 ? sum[k] / static_cast<double>(count[k]) : 0;
+  };
+  return {mean(1), mean(0)};
+}
+
+LightcutsErrors LightcutsJudge::errors(const Plane<Rgb>& radiance) const {
+  const auto product = [](const Rgb& x, const Rgb& a, const Rgb& b) {
+    return static_cast<double>(glm::dot(x - a, x - b)) / 3.0;
+  };
+  const auto shown = [&](const Plane<Rgb>& plane, std::size_t i) {
+    return image::display_linear(tone_, plane.pixels()[i]);
+  };
+  LightcutsErrors errors;
+  errors.mse = regional([&](std::size_t i) {
+    return product(shown(radiance, i), shown(first_, i), shown(second_, i));
+  });
+  const float gain = std::exp2(tone_.exposure_ev);
+  errors.relmse = regional([&](std::size_t i) {
+    const Rgb a = gain * first_.pixels()[i], b = gain * second_.pixels()[i];
+    const double level = static_cast<double>(image::luminance(0.5F * (a + b)));
+    return product(gain * radiance.pixels()[i], a, b) / (level * level + 1e-2);
+  });
+  return errors;
+}
+
+Regional LightcutsJudge::mean(const Plane<float>& plane) const {
+  return regional([&](std::size_t i) { return static_cast<double>(plane.pixels()[i]); });
+}
+
+double LightcutsJudge::share_of_f25() const {
+  const auto inside = std::ranges::count_if(eccentricity_.pixels(), [](float e) {
+    return image::contains(image::Region::F25, Radians{static_cast<double>(e)});
+  });
+  return static_cast<double>(inside) / static_cast<double>(eccentricity_.size());
+}
+
+Plane<Rgb> LightcutsJudge::reference() const {
+  Plane<Rgb> mean = first_;
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    mean.pixels()[i] = 0.5F * (mean.pixels()[i] + second_.pixels()[i]);
+  }
+  return mean;
+}
+
+}  // namespace macula::bench

@@ -1,0 +1,70 @@
+// What `macula-bench lightcuts` looks at, and how it judges: the paper's raster on a scene's first
+// camera at time 0, regions around a gaze, half-references. World meters.
+#pragma once
+
+#include <memory>
+
+#include "server/kernels/lightcuts/lightcuts_kernel.h"
+#include "shared/foveation/pixel_grid.h"
+#include "shared/image/tone.h"
+
+namespace macula::bench {
+
+using image::Plane;
+
+struct LightcutsSetting {
+  std::shared_ptr<const kernels::SceneFrame> scene;
+  foveation::Display display;
+  kernels::View view;
+  std::size_t lights = 0;  ///< in the tree
+
+  /// 720 x 850 pixels (or half of that) of equal sides, tangents of +- 1.1 across; exposure brings
+  /// the mean to middle grey.
+  static Result<LightcutsSetting> make(const std::string& scene, bool half,
+                                       scheduling::TileScheduler& scheduler);
+};
+
+/// One primary ray through each pixel's centre: light alone is left to chance.
+kernels::lightcuts::Config uniform_cuts(int nodes);
+/// Cuts of perceived sizes.
+kernels::lightcuts::Config perceived_cuts(kernels::lightcuts::PerceptionMode mode);
+
+struct Picture {
+  Plane<Rgb> radiance;
+  kernels::FrameReport report;
+  double cpu_ms = 0.0, wall_ms = 0.0;
+};
+Picture picture_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
+                   std::uint64_t seed, scheduling::TileScheduler& scheduler);
+kernels::lightcuts::LightPlan plan_of(const LightcutsSetting& setting,
+                                      const kernels::lightcuts::Config& config,
+                                      scheduling::TileScheduler& scheduler);
+
+/// Means over the pixels within 25 degrees of the gaze and outside.
+struct Regional {
+  double f25 = 0.0, out25 = 0.0;
+};
+struct LightcutsErrors {
+  Regional mse, relmse;  ///< display-linear; over squared reference + 0.01, in radiance
+};
+
+class LightcutsJudge {
+ public:
+  LightcutsJudge(const LightcutsSetting& setting, int nodes, int passes,
+                 scheduling::TileScheduler& scheduler);
+
+  LightcutsErrors errors(const Plane<Rgb>& radiance) const;
+  Regional mean(const Plane<float>& plane) const;
+  double share_of_f25() const;
+  Plane<Rgb> reference() const;
+
+ private:
+  template <class Value>
+  Regional regional(const Value& value_at) const;
+
+  image::Tone tone_;
+  Plane<Rgb> first_, second_;
+  Plane<float> eccentricity_;  ///< radians
+};
+
+}  // namespace macula::bench

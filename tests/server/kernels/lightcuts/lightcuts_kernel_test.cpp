@@ -1,0 +1,160 @@
+#include "server/kernels/lightcuts/lightcuts_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "server/kernels/ray/ray_kernel.h"
+#include "tests/conformance/test_scenes.h"
+#include "tests/server/lights/tree_oracle.h"
+
+namespace macula::kernels::lightcuts {
+namespace {
+
+constexpr int kSide = 24;
+
+/// A closed room of 4 m lit by lamps of many strengths below its ceiling and by nothing else.
+std::shared_ptr<const SceneFrame> room_of_lamps(int count) {
+  scene::Scene scene = test::closed_room();
+  scene.materials[2].emission = Rgb{0.0F};
+  scene.settings.ambient = Rgb{0.0F};
+  scene.lights.clear();
+  lights::test::Random random(3);
+  for (int i = 0; i < count; ++i) {
+    const double x = 3.6 * random.next() - 1.8, y = 1.2 + 0.6 * random.next();
+    scene::Light lamp;
+    lamp.position = {x, y, -0.5 - 3.0 * random.next()};
+    lamp.intensity = Rgb{static_cast<float>(0.02 * std::exp(3.0 * random.next()))};
+    scene.lights.push_back(lamp);
+  }
+  return test::frame_of(std::move(scene));
+}
+
+/// One pixel stands for five degrees; the gaze is in the middle.
+struct Shown {
+  foveation::Display display = test::display(kSide, 120.0);
+  View view = test::view_on(foveation::make_uniform_grid(display));
+  FoveationMap map{{{view.grid, view.gaze, display.pixel_tangent()}}, {}};
+
+  FrameRequest request(std::uint64_t seed) const { return {{&view, 1}, map, 0, seed}; }
+};
+
+Config perceived() {
+  KernelOptions options;
+  options.jitter = false;  // lights alone are left to chance
+  options.light_share = LightShare::Perceived;
+  Config config = make_config(options);
+  config.most_nodes = 12;
+  return config;
+}
+
+struct Rendered {
+  Plane<Rgb> radiance;
+  FrameReport report;
+};
+Rendered rendered(const Kernel& kernel, const SceneFrame& scene, const FrameRequest& request,
+                  TileScheduler& scheduler) {
+  History history;
+  FrameBuffers out;
+  FrameReport report = kernel.render(request, scene, history, scheduler, out);
+  return {std::move(out.views.front().radiance), std::move(report)};
+}
+
+bool same_bits(const Plane<Rgb>& a, const Plane<Rgb>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Rgb)) == 0;
+}
+
+TEST(LightcutsKernel, WhereNothingMayGoUnseenItIsTheUniformKernel) {
+  const auto scene = room_of_lamps(60);
+  const Shown shown;
+  TileScheduler scheduler;
+  Config config = perceived();
+  config.perception.alpha = 0.0F;
+  const auto full = rendered(LightcutsKernel(config), *scene, shown.request(1), scheduler);
+  config.sizes = CutSizes::Uniform;
+  config.ray.area_light_samples = config.most_nodes;
+  const auto uniform = rendered(LightcutsKernel(config), *scene, shown.request(1), scheduler);
+  EXPECT_TRUE(same_bits(full.radiance, uniform.radiance));
+}
+
+TEST(LightcutsKernel, AsksFewerLightsWhereTheEyeSeesLess) {
+  const auto scene = room_of_lamps(60);
+  const Shown shown;
+  TileScheduler scheduler;
+  Config config = perceived();
+  config.low_nodes = 0;  // three by three cells would see contrast everywhere
+  const LightPlan plan = plan_lights(shown.request(1), *scene, config, scheduler);
+  const Plane<std::uint16_t>& nodes = plan.cut_nodes.front();
+  int gaze = 0, rim = 0;
+  for (int y = 10; y < 14; ++y) {
+    for (int x = 10; x < 14; ++x) gaze += nodes(x, y);
+    for (int x = 0; x < 4; ++x) rim += nodes(x, y);
+  }
+  EXPECT_GT(gaze, 2 * rim);
+  Config uniform = config;
+  uniform.sizes = CutSizes::Uniform;
+  uniform.ray.area_light_samples = config.most_nodes;
+  const auto many = rendered(LightcutsKernel(uniform), *scene, shown.request(1), scheduler);
+  const auto few = rendered(LightcutsKernel(config), *scene, shown.request(1), scheduler);
+  EXPECT_LT(2 * few.report.shadow_rays, many.report.shadow_rays);
+  EXPECT_EQ(few.report.non_finite_samples, 0U);
+}
+
+TEST(LightcutsKernel, TheMeanOfCutsIsTheOneThatWasWanted) {
+  const auto scene = room_of_lamps(60);
+  const Shown shown;
+  TileScheduler scheduler;
+  Config config = perceived();
+  config.mean_nodes = 3.0;
+  const LightPlan plan = plan_lights(shown.request(1), *scene, config, scheduler);
+  double sum = 0.0;
+  for (const std::uint16_t n : plan.cut_nodes.front().pixels()) sum += n;
+  EXPECT_NEAR(sum / (kSide * kSide), 3.0, 0.1);
+}
+
+TEST(LightcutsKernel, TheSamePictureComesFromAnyNumberOfThreads) {
+  const auto scene = room_of_lamps(60);
+  const Shown shown;
+  TileScheduler one(1), two(2);
+  const LightcutsKernel kernel(perceived());
+  EXPECT_TRUE(same_bits(rendered(kernel, *scene, shown.request(7), one).radiance,
+                        rendered(kernel, *scene, shown.request(7), two).radiance));
+}
+
+/// Cells whose mean over `frames` is more than 4.5 standard errors from `gain` x the truth.
+int cells_off(const std::vector<Plane<Rgb>>& frames, const Plane<Rgb>& truth, double gain) {
+  int off = 0;
+  const auto n = static_cast<double>(frames.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    double sum = 0.0, square = 0.0;
+    for (const Plane<Rgb>& frame : frames) {
+      const double value = static_cast<double>(frame.pixels()[i].y);
+      sum += value, square += value * value;
+    }
+    const double mean = sum / n, error = std::sqrt(std::max(square / n - mean * mean, 0.0) / n);
+    const double wanted = gain * static_cast<double>(truth.pixels()[i].y);
+    off += std::abs(mean - wanted) > 4.5 * error + 1e-4 * wanted;
+  }
+  return off;
+}
+
+/// T-SLC-1 with cuts of perceived sizes, which a random picture decides.
+TEST(LightcutsKernel, PerceivedSizesOfCutsLeaveTheMeanUnchanged) {
+  const auto scene = room_of_lamps(40);
+  const Shown shown;
+  TileScheduler scheduler;
+  Config config = perceived();
+  const LightcutsKernel kernel(config);
+  std::vector<Plane<Rgb>> frames;
+  for (std::uint64_t seed = 0; seed < 256; ++seed) {
+    frames.push_back(rendered(kernel, *scene, shown.request(seed), scheduler).radiance);
+  }
+  config.ray.lights = ray::LightChoice::Every;
+  const auto truth =
+      rendered(ray::RayKernel(config.ray), *scene, shown.request(0), scheduler).radiance;
+  EXPECT_LE(cells_off(frames, truth, 1.0), 3);
+  EXPECT_GT(cells_off(frames, truth, 0.97), 50) << "3 % of bias would be seen";
+}
+
+}  // namespace
+}  // namespace macula::kernels::lightcuts
