@@ -280,6 +280,40 @@ TEST_F(Program, StillsOfAMovingSceneRepeatAfterItsCycle) {
   EXPECT_NE(still("3.2", "later.exr"), start);
 }
 
+TEST_F(Program, MethodsOfLightcutsAreHeldToEqualCutsAndTheEyeGetsMostWhereItLooks) {
+  const Finished run =
+      bench({"lightcuts", "--scene", "cornell-lights", "--quick", "--reference-nodes", "2",
+             "--pictures", path("maps"), "--json", path("lightcuts.json")});
+  ASSERT_EQ(run.status, 0) << run.err;
+  std::istringstream lines(run.out);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_TRUE(line.ends_with("gain_f25  gain_out25  speed_f25")) << line;
+  int curve = 0, methods = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+    ASSERT_EQ(fields.size(), 18U) << line;
+    if (fields[3] == "sl") {
+      EXPECT_EQ(fields[15], "1") << line;
+      EXPECT_EQ(fields[7], fields[8]) << line;
+      ++curve;
+    } else {
+      EXPECT_GT(std::stod(fields[7]), 2.0 * std::stod(fields[8])) << line;
+      ++methods;
+    }
+  }
+  EXPECT_EQ(curve, 6);
+  EXPECT_EQ(methods, 2);
+  EXPECT_TRUE(fs::exists(path("maps") + "/map_attenuation.png"));
+}
+
+TEST_F(Program, LightcutsAsksForASceneWithLightsThatHaveAPlace) {
+  const Finished run = bench({"lightcuts", "--scene", "tunnel-maps", "--quick"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("no light with a place"), std::string::npos) << run.err;
+}
+
 TEST_F(Program, AMomentOfEveryKindOfMotionCostsLessThanBuildingAnew) {
   const Finished run = bench({"motion", "--quick"});
   ASSERT_EQ(run.status, 0) << run.err;
