@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/kernels/registry.h"
 #include "server/scene/load.h"
 #include "shared/image/regions.h"
 #include "tests/bench/stopwatch.h"
@@ -61,6 +62,7 @@ Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool ha
                                                 TileScheduler& scheduler) {
   const auto loaded = scene::load_scene(name);
   if (!loaded) return base::forward(loaded);
+  if (auto ok = kernels::check_scene("lightcuts", **loaded); !ok) return base::forward(ok);
   const scene::SceneFacts facts = scene::facts_of(**loaded);
   auto frame =
       kernels::SceneFrame::create(*loaded, scene::ScenePlan(facts, {.kernel = "lightcuts"}));

@@ -308,10 +308,10 @@ TEST_F(Program, MethodsOfLightcutsAreHeldToEqualCutsAndTheEyeGetsMostWhereItLook
   EXPECT_TRUE(fs::exists(path("maps") + "/map_attenuation.png"));
 }
 
-TEST_F(Program, LightcutsAsksForASceneWithLightsThatHaveAPlace) {
-  const Finished run = bench({"lightcuts", "--scene", "tunnel-maps", "--quick"});
+TEST_F(Program, LightcutsTakesNoDistanceField) {
+  const Finished run = bench({"lightcuts", "--scene", "primitives", "--quick"});
   EXPECT_EQ(run.status, 2);
-  EXPECT_NE(run.err.find("no light with a place"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("does not render distance fields"), std::string::npos) << run.err;
 }
 
 TEST_F(Program, AMomentOfEveryKindOfMotionCostsLessThanBuildingAnew) {
