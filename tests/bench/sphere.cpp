@@ -364,7 +364,7 @@ void make_quick(SphereOptions& options) {
   options.fovea_deg = {2.5, 7.5, 15.0};
   options.samples = {1, 16};
   options.refresh = {1, 4};
-  options.key_frames = 1;
+  options.frames = 8, options.key_frames = 1;
 }
 
 Result<void> run_sphere(const SphereOptions& options) {

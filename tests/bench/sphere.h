@@ -27,7 +27,7 @@ struct SphereOptions {
   std::string json;      ///< rows that it holds already are not measured again; empty: none
 };
 
-/// The same at half the resolution, three foveae, 1 and 16 samples, refresh 1 and 1/4.
+/// The same at half the resolution, three foveae, 1 and 16 samples, refresh 1 and 1/4, 8 frames.
 void make_quick(SphereOptions& options);
 
 Result<void> run_sphere(const SphereOptions& options);

@@ -1,6 +1,7 @@
 #include "server/kernels/sphere/fill.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -12,7 +13,27 @@ namespace {
 struct Between {
   int low = 0, high = 0, nearest = 0;
   float share = 0.0F;  ///< of `high`
+  /// The same with one more on each side, by a cubic that has the slopes between neighbours at its
+  /// ends (Catmull and Rom 1974); what is affine stays so on unequal steps and at the border.
+  std::array<int, 4> taps{};
+  std::array<float, 4> weights{};
 };
+
+/// `centre(i)`: where sample i lies.
+template <class Centre>
+void set_cubic(Between& at, int last, Centre centre) {
+  at.taps = {std::max(at.low - 1, 0), at.low, at.high, std::min(at.high + 1, last)};
+  const float s = at.share, gap = centre(at.high) - centre(at.low);
+  if (!(gap > 0.0F)) {
+    at.weights = {0.0F, 1.0F, 0.0F, 0.0F};
+    return;
+  }
+  const float from_low = s * (1.0F - s) * (1.0F - s), from_high = s * s * (s - 1.0F);
+  const float high = s * s * (3.0F - 2.0F * s);
+  const float slope_low = from_low * gap / (centre(at.high) - centre(at.taps[0]));
+  const float slope_high = from_high * gap / (centre(at.taps[3]) - centre(at.low));
+  at.weights = {-slope_low, 1.0F - high - slope_high, high + slope_low, slope_high};
+}
 
 std::vector<Between> places_on_axis(const std::vector<float>& edges,
                                     const std::vector<float>& mid_edges) {
@@ -26,7 +47,9 @@ std::vector<Between> places_on_axis(const std::vector<float>& edges,
     const int high = std::min(low + 1, last);
     const float gap = middle(mid_edges, high) - middle(mid_edges, low);
     const float share = gap > 0.0F ? (at - middle(mid_edges, low)) / gap : 0.0F;
-    places.push_back({low, high, own, std::clamp(share, 0.0F, 1.0F)});
+    Between place{low, high, own, std::clamp(share, 0.0F, 1.0F)};
+    set_cubic(place, last, [&](int sample) { return middle(mid_edges, sample); });
+    places.push_back(place);
   }
   return places;
 }
@@ -47,15 +70,37 @@ class Filler {
         planes_(planes) {}
 
   void fill_row(int y) {
+    const std::vector<Rgb> across = blended_rows(rows_[y]);
     for (int x = 0; x < important_.width(); ++x) {
       if (important_(x, y) != 0) continue;
-      planes_.radiance(x, y) = between(mid_.radiance, columns_[x], rows_[y]);
+      planes_.radiance(x, y) = color(across, columns_[x], rows_[y]);
       planes_.depth_m(x, y) = depth_from(inverse_depth(columns_[x], rows_[y]));
       if (wanted_ != 0) copy_nearest(x, y, columns_[x].nearest, rows_[y].nearest);
     }
   }
 
  private:
+  /// The four rows of the middle level about a row of cells, blended into one.
+  std::vector<Rgb> blended_rows(const Between& y) const {
+    std::vector<Rgb> row(static_cast<std::size_t>(mid_.radiance.width()));
+    for (int x = 0; x < mid_.radiance.width(); ++x) {
+      Rgb sum{0.0F};
+      for (std::size_t i = 0; i < y.taps.size(); ++i)
+        sum += y.weights[i] * mid_.radiance(x, y.taps[i]);
+      row[x] = sum;
+    }
+    return row;
+  }
+  /// Sharper than between two samples, and no brighter or darker than the four around the cell.
+  Rgb color(const std::vector<Rgb>& across, const Between& x, const Between& y) const {
+    Rgb sum{0.0F};
+    for (std::size_t i = 0; i < x.taps.size(); ++i) sum += x.weights[i] * across[x.taps[i]];
+    const Plane<Rgb>& plane = mid_.radiance;
+    const Rgb a = plane(x.low, y.low), b = plane(x.high, y.low);
+    const Rgb c = plane(x.low, y.high), d = plane(x.high, y.high);
+    return glm::clamp(sum, glm::min(glm::min(a, b), glm::min(c, d)),
+                      glm::max(glm::max(a, b), glm::max(c, d)));
+  }
   template <class T>
   static T between(const Plane<T>& plane, const Between& x, const Between& y) {
     const T above = (1.0F - x.share) * plane(x.low, y.low) + x.share * plane(x.high, y.low);

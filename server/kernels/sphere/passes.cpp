@@ -361,7 +361,13 @@ void ViewRun::foveated(const ViewHistory* last, ViewHistory& now) {
       important_cells(view, edges, context_.frame, context_.seed, config.mask, scheduler_);
   mid.source = mid_sources(important);
   if (last != nullptr) {
-    keep({view, now.mid_grid, low, edges, context_.frame, config}, *last, scheduler_, mid);
+    // Where surfaces end, whatever the mask calls an edge: the literal filter fires all over a
+    // floor.
+    MaskConfig corrected = config.mask;
+    corrected.rule = MaskRule::Corrected;
+    const bool as_masked = config.mask.rule == MaskRule::Corrected;
+    const Plane<float> ends = as_masked ? edges : find_edges(low, low_grid, corrected);
+    keep({view, now.mid_grid, low, ends, context_.frame, config}, *last, scheduler_, mid);
   }
   trace_mid(now.mid_grid, mid);
   trace_cells(&important);

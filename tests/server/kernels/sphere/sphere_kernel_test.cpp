@@ -182,7 +182,7 @@ TEST(SphereKernel, WhatIsKeptOfAStillSceneIsWhatWouldBeTraced) {
   config.mask.outer = Degrees{1.0};
   Session fresh(config);
   config.refresh = Refresh::EveryFourth;
-  config.kept = Kept::InPlace;  // the literal edges lie on every slanted surface: none is followed
+  config.kept = Kept::InPlace;
   Session kept(config);
   const Plane<Rgb> expected = fresh.next(*scene, view).radiance;
   kept.next(*scene, view);
@@ -213,6 +213,25 @@ TEST(SphereKernel, WhatIsKeptFollowsAMovingHeadBetterThanInPlace) {
     error_in_place += mean_difference(in_place.next(*scene, view).radiance, expected);
   }
   EXPECT_LT(error_reprojected, 0.3 * error_in_place);
+}
+
+TEST(SphereKernel, TheSkyAndFloorsUnderLiteralEdgesAreKept) {
+  const auto scene = frame_of_text(R"({
+    "sky": 1, "far": 1000, "materials": {"white": {"color": 0.5}},
+    "scene": {"type": "plane", "normal": [0, 1, 0], "at": [0, -1.5, 0], "material": "white"}
+  })");
+  View view = view_of(*scene);
+  Config config;
+  config.mask.rule = MaskRule::Literal;
+  config.mask.fovea = Degrees{0.5};
+  config.mask.outer = Degrees{1.0};
+  config.refresh = Refresh::EveryFourth;
+  Session session(config);
+  session.next(*scene, view);
+  const std::uint64_t first = session.report().primary_rays;
+  session.next(*scene, view);
+  constexpr std::uint64_t kLow = kSide * kSide / 16;
+  EXPECT_LT(session.report().primary_rays - kLow, 3 * (first - kLow) / 4);
 }
 
 TEST(SphereKernel, ANewHistoryKeepsNothing) {
