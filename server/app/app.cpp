@@ -66,6 +66,7 @@ kernels::KernelOptions kernel_options(const Options& options) {
   kernel.area_light_samples = options.area_samples;
   kernel.ambient_samples = options.ambient_samples;
   kernel.reuse = options.reuse ? kernels::Reuse::EarlierFrames : kernels::Reuse::Nothing;
+  if (options.perceived_lights) kernel.light_share = kernels::LightShare::Perceived;
   return kernel;
 }
 

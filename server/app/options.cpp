@@ -55,6 +55,8 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--reuse", options.reuse,
                "Kernel ray: trace as densely as --rate-model asks, remember the other cells");
+  app.add_flag("--perceived-lights", options.perceived_lights,
+               "Kernel lightcuts: as many lights as the eye would see the difference, up to 48");
   app.add_flag("--verbose", options.verbose, "Log sessions and, every 5 s, rates and stage times");
 }
 
@@ -131,6 +133,7 @@ std::string describe(const Options& o) {
        << "\ncodec = " << quoted(o.codec) << "\narea_samples = " << o.area_samples
        << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
        << "\nreuse = " << (o.reuse ? "true" : "false")
+       << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
        << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
   return std::move(text).str();
 }

@@ -26,6 +26,7 @@ struct Options {
   int ambient_samples = 4;     ///< per primary sample
   int threads = 0;             ///< 0: every core
   bool reuse = false;          ///< kernel ray takes cells from earlier frames where they still hold
+  bool perceived_lights = false;  ///< kernel lightcuts asks as many lights as the eye would see
   bool explain = false, list_scenes = false, verbose = false;
 };
 

@@ -72,6 +72,7 @@ constexpr std::array kKeys{
     Key{"ambient_samples", apply<&Options::ambient_samples>},
     Key{"threads", apply<&Options::threads>},
     Key{"reuse", apply<&Options::reuse>},
+    Key{"perceived_lights", apply<&Options::perceived_lights>},
     Key{"verbose", apply<&Options::verbose>},
 };
 

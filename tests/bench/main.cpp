@@ -155,6 +155,8 @@ void add_still_method(CLI::App& command, StillOptions& options, StillWords& word
   command.add_option("--lspp", options.light_samples, "Area-light samples per primary sample")
       ->check(CLI::Range(1, 1 << 20))
       ->option_text("N (8)");
+  command.add_flag("--perceived-lights", options.perceived_lights,
+                   "Kernel lightcuts, mode fast: as many as the eye would see, up to 48");
   command.add_option("--spp", options.samples_per_cell, "Primary samples per cell")
       ->check(CLI::Range(1, 1 << 20))
       ->option_text("N (1)");

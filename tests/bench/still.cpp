@@ -74,6 +74,7 @@ Report make_report(const StillOptions& options, const StillJob& job, const Rende
                  {"height_px", std::int64_t{options.height_px}},
                  {"samples_per_cell", std::int64_t{options.samples_per_cell}},
                  {"light_samples", std::int64_t{options.light_samples}},
+                 {"perceived_lights", options.perceived_lights},
                  {"ambient_samples", std::int64_t{options.light_samples}},
                  {"bounces", std::int64_t{options.bounces}},
                  {"rate_model", options.rate_model},

@@ -37,6 +37,7 @@ struct StillOptions {
   std::string scene;            ///< built-in name or file
   std::string kernel = "auto";  ///< name in the kernel table
   StillMode mode = StillMode::Exact;
+  bool perceived_lights = false;      ///< kernel lightcuts, mode fast: light_samples is not used
   int light_samples = 8;              ///< --lspp: area-light samples per primary sample, >= 1
   int samples_per_cell = 1;           ///< --spp: primary samples a cell, >= 1
   std::string camera_name;            ///< empty: the scene's own camera, unless `camera` is given

@@ -177,6 +177,7 @@ Result<RenderedStill> render_still(const StillJob& job, const StillOptions& opti
   settings.mode = options.mode == StillMode::Fast ? kernels::Mode::Fast : kernels::Mode::Exact;
   settings.area_light_samples = options.light_samples;
   settings.ambient_samples = options.light_samples;
+  if (options.perceived_lights) settings.light_share = kernels::LightShare::Perceived;
   settings.environment_samples = options.light_samples;
   settings.bounces = options.bounces;
   settings.lambert_only = options.material == StillMaterial::Lambert;

@@ -69,6 +69,11 @@ TEST(Options, EveryOptionLandsInItsField) {
   EXPECT_TRUE(o.explain && o.reuse && o.verbose && !o.list_scenes);
 }
 
+TEST(Options, LightsArePerceivedOnlyWhereThatWasAskedFor) {
+  EXPECT_FALSE(parsed({}).perceived_lights);
+  EXPECT_TRUE(parsed({"--perceived-lights"}).perceived_lights);
+}
+
 TEST(Options, HelpShowsOptionsAndExamples) {
   const auto help = parse({"--help"});
   ASSERT_TRUE(help);
