@@ -215,14 +215,12 @@ HWY_INLINE void put(const LightBounds& light, Oriented oriented, NodeBlock& bloc
 /// Lights lie in memory in another order than along the curve: they are asked for in advance.
 HWY_INLINE void fetch(const LeafLights& leaves, std::size_t place) {
   if (place >= leaves.order.size()) return;
-  const auto* light = reinterpret_cast<const char*>(&leaves.lights[leaves.order[place]]);
-  __builtin_prefetch(light);
-  __builtin_prefetch(light + sizeof(LightBounds) - 1);
+  __builtin_prefetch(&leaves.lights[leaves.order[place]]);  // one cache line
 }
 
 /// The leaves of a block; what lies past the last light is empty.
 HWY_INLINE void place_leaves(const LeafLights& leaves, const TreeNodes& nodes, std::size_t block) {
-  constexpr std::size_t kAhead = 64;
+  constexpr std::size_t kAhead = 32;
   NodeBlock& out = nodes.blocks[block];
   const std::size_t first = block * NodeBlock::kNodes;
   const std::size_t begin = std::max<std::size_t>(first, nodes.first_leaf);
