@@ -1,6 +1,7 @@
 #include "server/kernels/sphere/keep.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -38,6 +39,30 @@ T bilinear(const Plane<T>& plane, const Span& x, const Span& y) {
   const T above = (1.0F - x.share) * plane(x.low, y.low) + x.share * plane(x.high, y.low);
   const T below = (1.0F - x.share) * plane(x.low, y.high) + x.share * plane(x.high, y.high);
   return (1.0F - y.share) * above + y.share * below;
+}
+
+/// Weights of the samples before `low`, at it, at `high` and after it, by the cubic of Catmull and
+/// Rom (1974).
+std::array<float, 4> cubic_weights(float s) {
+  const float from_low = 0.5F * s * (1.0F - s) * (1.0F - s), from_high = 0.5F * s * s * (s - 1.0F);
+  const float high = s * s * (3.0F - 2.0F * s);
+  return {-from_low, 1.0F - high - from_high, high + from_low, from_high};
+}
+
+/// Between samples by the cubic, and no more than the four around: what is kept for some frames is
+/// looked up as often, and lines between would blur it each time.
+Rgb sharp(const Plane<Rgb>& plane, const Span& x, const Span& y) {
+  const auto wx = cubic_weights(x.share), wy = cubic_weights(y.share);
+  Rgb sum{0.0F};
+  for (int j = 0; j < 4; ++j) {
+    const int row = std::clamp(y.low + j - 1, 0, plane.height() - 1);
+    for (int i = 0; i < 4; ++i)
+      sum += wx[i] * wy[j] * plane(std::clamp(x.low + i - 1, 0, plane.width() - 1), row);
+  }
+  const Rgb a = plane(x.low, y.low), b = plane(x.high, y.low);
+  const Rgb c = plane(x.low, y.high), d = plane(x.high, y.high);
+  return glm::clamp(sum, glm::min(glm::min(a, b), glm::min(c, d)),
+                    glm::max(glm::max(a, b), glm::max(c, d)));
 }
 
 class Keeper {
@@ -79,7 +104,7 @@ class Keeper {
     const int nearest_x = sx.share < 0.5F ? sx.low : sx.high;
     const int nearest_y = sy.share < 0.5F ? sy.low : sy.high;
     if (last.age(nearest_x, nearest_y) + 1 >= 2 * period(input_.config.refresh)) return;
-    copy(x, y, nearest_x, nearest_y, bilinear(last.radiance, sx, sy), here);
+    copy(x, y, nearest_x, nearest_y, sharp(last.radiance, sx, sy), here);
   }
   bool matches(const Span& x, const Span& y, float inverse_depth) const {
     const Plane<float>& last = last_.mid.inverse_depth;
