@@ -5,6 +5,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include "tests/server/lights/tree_oracle.h"
 
@@ -164,6 +165,29 @@ TEST(LightTree, IntensitiesOfFortyDecadesAddUp) {
   for (NodeId leaf = tree.first_leaf(); tree.light_at(leaf); ++leaf) {
     EXPECT_FALSE(tree.node(leaf).empty) << "the dimmest light is still there";
   }
+}
+
+/// Whatever vectors a processor has: the same order and sums, boxes up to rounding.
+TEST(LightTree, EveryInstructionSetMakesTheSameTree) {
+  const auto lights = random_lights(5000, Kind::Mixed, 12);
+  const LightTree best(lights);
+  const std::int64_t here = hwy::SupportedTargets();
+  int sets = 0;
+  for (std::int64_t rest = here; rest != 0; rest &= rest - 1) {
+    hwy::SetSupportedTargetsForTest(rest & -rest);
+    const LightTree tree(lights);
+    hwy::SetSupportedTargetsForTest(0);
+    ++sets;
+    ASSERT_TRUE(std::ranges::equal(tree.light_of_leaf(), best.light_of_leaf()));
+    for (NodeId node = 1; node < 2 * best.first_leaf(); ++node) {
+      const NodeBounds a = tree.node(node), b = best.node(node);
+      ASSERT_EQ(a.empty, b.empty);
+      ASSERT_EQ(a.bounds.intensity, b.bounds.intensity);
+      ASSERT_LT(glm::distance(a.bounds.centre, b.bounds.centre), 1e-6F);
+      ASSERT_LT(glm::distance(a.bounds.half, b.bounds.half), 2e-6F);
+    }
+  }
+  EXPECT_GE(sets, 1);
 }
 
 // ---- what a single light is ----
