@@ -78,7 +78,8 @@ class Tracer {
  private:
   Vec3 leave(const Vertex& vertex) const {
     return visibility::offset_ray_origin(Vec3(vertex.surface.position),
-                                         vertex.reflector.frame().geometric);
+                                         vertex.reflector.frame().geometric, 0.0F,
+                                         vertex.surface.span_m);
   }
   bool open(const Vec3& origin, const Vec3& direction, float tfar) {
     ++shadow_rays;
@@ -131,7 +132,9 @@ class Tracer {
     const Rgb value = vertex.reflector.evaluate(to_light);
     if (value == Rgb{0.0F}) return value;
     const Vec3 origin = leave(vertex);
-    const Vec3 end = visibility::offset_ray_origin(Vec3(point), light.normal);
+    const float edge = std::max(glm::length(light.edge1), glm::length(light.edge2));
+    const Vec3 end =
+        visibility::offset_ray_origin(Vec3(point), light.normal, 0.0F, std::max(distance, edge));
     if (!open(origin, end - origin, 1.0F)) return Rgb{0.0F};
     const Rgb emission = scene_.lights().emission(index, b, scene_.surfaces(), scene_.materials());
     return value * emission * (cos_light * light.area_m2 / (distance * distance));

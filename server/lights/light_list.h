@@ -66,7 +66,10 @@ struct AreaArrivalBatch {
   /// where the light faces away.
   ArrivalBatch arrival;
   sampling::Vec3Batch position,
-      normal;                       ///< on the light: world, meters; unit, the side it shines to
+      normal;  ///< on the light: world, meters; unit, the side it shines to
+  /// What rounding of a ray to there grows with: the larger of the distance and of the light's
+  /// edges at its first vertex, meters.
+  sampling::FloatBatch span;
   sampling::IndexBatch light;       ///< index into emissive()
   sampling::Vec2Batch barycentric;  ///< as in shading::SurfaceTable::at
 };

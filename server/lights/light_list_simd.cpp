@@ -64,8 +64,8 @@ HWY_ATTR void area_vectors(const EmitterTable& table, const sampling::Vec2Batch&
     auto b2 = hn::Load(d, us.y + i);
     fold_onto_triangle(b1, b2);
     const auto row = hn::ShiftLeft<4>(light);
-    const Vec3s position = plus(plus(gather_row(rows, row), b1, gather_row(rows + 3, row)), b2,
-                                gather_row(rows + 6, row));
+    const Vec3s edge1 = gather_row(rows + 3, row), edge2 = gather_row(rows + 6, row);
+    const Vec3s position = plus(plus(gather_row(rows, row), b1, edge1), b2, edge2);
     const Vec3s normal = gather_row(rows + 9, row);
     const Vec3s towards = minus(position, load(points, i));
     const auto distance2 = dot(towards, towards);
@@ -79,6 +79,8 @@ HWY_ATTR void area_vectors(const EmitterTable& table, const sampling::Vec2Batch&
     store(scaled_where(shines, strength, gather_row(rows + 12, row)), out.arrival.irradiance, i);
     store(position, out.position, i);
     store(normal, out.normal, i);
+    const auto edges2 = hn::Max(dot(edge1, edge1), dot(edge2, edge2));
+    hn::Store(hn::Sqrt(hn::Max(distance2, edges2)), d, out.span.at + i);
     hn::Store(b1, d, out.barycentric.x + i);
     hn::Store(b2, d, out.barycentric.y + i);
     hn::Store(hn::BitCast(Words(), light), Words(), out.light.at + i);

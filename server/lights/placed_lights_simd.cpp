@@ -57,9 +57,9 @@ HWY_ATTR void placed_vectors(const PlacedLightTable& table, const LightDraws& dr
     const auto area = hn::GatherIndex(d, rows + 15, row);
     const auto triangle = hn::Gt(area, zero);
     const Barycentric at = on_triangle(triangle, hn::Load(d, us.x + i), hn::Load(d, us.y + i));
-    const Vec3s edge1 = gather_three(rows + 3, row), normal = gather_three(rows + 9, row);
-    const Vec3s position =
-        plus(plus(gather_three(rows, row), at.b1, edge1), at.b2, gather_three(rows + 6, row));
+    const Vec3s edge1 = gather_three(rows + 3, row), edge2 = gather_three(rows + 6, row);
+    const Vec3s normal = gather_three(rows + 9, row);
+    const Vec3s position = plus(plus(gather_three(rows, row), at.b1, edge1), at.b2, edge2);
     const Vec3s towards = minus(position, load(points, i));
     const auto distance2 = dot(towards, towards);
     const auto inverse = hn::Div(one, hn::Sqrt(distance2));
@@ -73,6 +73,9 @@ HWY_ATTR void placed_vectors(const PlacedLightTable& table, const LightDraws& dr
     store(scaled_where(arrives, emitted, gather_three(rows + 12, row)), out.arrival.irradiance, i);
     store(position, out.position, i);
     store(scaled_where(triangle, one, normal), out.normal, i);
+    // Of a point light only the distance counts: its ray's end is not moved.
+    const auto edges2 = hn::Max(dot(edge1, edge1), dot(edge2, edge2));
+    hn::Store(hn::Sqrt(hn::Max(distance2, edges2)), d, out.span.at + i);
     hn::Store(at.b1, d, out.barycentric.x + i);
     hn::Store(at.b2, d, out.barycentric.y + i);
     hn::Store(hn::BitCast(Words(), light), Words(), out.light.at + i);

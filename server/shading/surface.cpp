@@ -1,5 +1,6 @@
 #include "server/shading/surface.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "shared/base/check.h"
@@ -10,6 +11,16 @@ namespace {
 Vec3 unit_or_zero(const Vec3& v) {
   const float length = glm::length(v);
   return length > 0.0F ? v / length : Vec3{0.0F};
+}
+
+float largest_coordinate(const Vec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// The largest sum of a row's absolute values: the norm that goes with the largest coordinate.
+float row_sum_norm(const DMat3& m) {
+  const DVec3 sums = glm::abs(m[0]) + glm::abs(m[1]) + glm::abs(m[2]);
+  return static_cast<float>(std::max({sums.x, sums.y, sums.z}));
 }
 
 std::vector<float> uv_densities(const scene::Mesh& mesh) {
@@ -58,6 +69,7 @@ SurfaceTable::Placed SurfaceTable::place(const scene::Scene& scene, scene::Index
           DVec3(world_from_object[3]),
           Mat3(glm::inverseTranspose(linear)),
           static_cast<float>(std::cbrt(std::abs(glm::determinant(linear)))),
+          row_sum_norm(linear),
           scene.meshes[mesh].material};
 }
 
@@ -90,6 +102,8 @@ Surface SurfaceTable::at(scene::Index instance, scene::Index triangle,
     surface.uv = w * mesh.texcoords[t.x] + u * mesh.texcoords[t.y] + v * mesh.texcoords[t.z];
   }
   surface.material = placed.material;
+  const float edge = std::max(largest_coordinate(e1), largest_coordinate(e2));
+  surface.span_m = std::max(placed.stretch * edge, largest_coordinate(Vec3(placed.translation)));
   return surface;
 }
 

@@ -17,6 +17,10 @@ struct Surface {
   Vec3 shading_normal{0.0F};    ///< unit, interpolated; the geometric one where a mesh has none
   Vec2 uv{0.0F};
   scene::Index material = 0;
+  /// What rounding of rays to this point grows with beside its coordinates: the larger of the
+  /// triangle's two edges at its first vertex and the object's translation, world, in the largest
+  /// coordinate.
+  float span_m = 0.0F;
 };
 
 class SurfaceTable {
@@ -46,6 +50,7 @@ class SurfaceTable {
     DVec3 translation;
     Mat3 normal_from_object;  ///< inverse transpose: keeps fronts in front under mirroring too
     float meters_per_unit;    ///< cube root of the volume scale
+    float stretch;            ///< most that the largest coordinate of a vector grows
     scene::Index material;
   };
   static Placed place(const scene::Scene& scene, scene::Index instance,

@@ -276,7 +276,8 @@ struct SeenPoint {
   DVec3 reflectance{0.0};
 
   Vec3 leave() const {
-    return visibility::offset_ray_origin(Vec3(surface.position), frame.geometric);
+    return visibility::offset_ray_origin(Vec3(surface.position), frame.geometric, 0.0F,
+                                         surface.span_m);
   }
 };
 std::optional<SeenPoint> seen(const kernels::SceneFrame& scene, const Pose& eye,

@@ -240,6 +240,68 @@ TEST(AreaLight, ADiscOnTheAxisGivesPiLTimesItsShareOfTheView) {
   }
 }
 
+/// The floor of floor_under() made of two triangles 20 km wide, turned, with the lit point at
+/// `centre`, under a lamp 1.3 m above it.
+TEST(AreaLight, AWideFloorNeitherShadowsItselfNorLeaksAtTheOriginAndFarFromIt) {
+  const DMat3 turn(glm::mat3_cast(glm::normalize(DQuat(0.8, 0.3, -0.4, 0.2))));
+  for (const DVec3& centre : {DVec3{0.0}, DVec3{6000.0, -7000.0, 5000.0}}) {
+    const auto placed = [&](const DVec3& local) { return Vec3(centre + turn * local); };
+    const auto add = [&](scene::Scene& scene, const std::vector<DVec3>& corners,
+                         scene::Index material) {
+      scene::Mesh mesh;
+      for (const DVec3& corner : corners) mesh.positions.push_back(placed(corner));
+      mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+      mesh.material = material;
+      scene.instances.push_back({static_cast<scene::Index>(scene.meshes.size()), DMat4{1.0}});
+      scene.meshes.push_back(mesh);
+    };
+    scene::Scene source;
+    source.materials.resize(2);
+    source.materials[0].specular = source.materials[1].specular = 0.0F;
+    source.materials[1].emission = Rgb{1.0F};
+    source.materials[1].base_color = Rgb{0.0F};
+    constexpr double kWide = 10'000.0;
+    add(source, {{-kWide, 0, kWide}, {kWide, 0, kWide}, {kWide, 0, -kWide}, {-kWide, 0, -kWide}},
+        0);
+    add(source, {{-0.6, 1.3, 0.5}, {-0.6, 1.3, -0.5}, {0.6, 1.3, -0.5}, {0.6, 1.3, 0.5}}, 1);
+    std::vector<DVec3> lamp;
+    for (const Vec3& corner : source.meshes[1].positions) lamp.emplace_back(corner);
+    const auto scene = test::frame_of(source);
+    // Points within 2 m of the middle, where a ray from above meets the floor.
+    std::vector<kernels::SurfacePoint> points;
+    std::vector<double> expected;
+    for (int i = 0; i < 2048; ++i) {
+      const DVec3 up = turn * DVec3{0.0, 1.0, 0.0};
+      const double x = -2.0 + 4.0 * (i % 64) / 63.0, z = -2.0 + 4.0 * (i / 64) / 31.0;
+      const auto hit =
+          scene->triangles().intersect(visibility::Ray{placed({x, 1.0, z}), Vec3(-up)});
+      ASSERT_TRUE(hit && hit->instance == 0);
+      kernels::SurfacePoint& point = points.emplace_back();
+      point.instance = hit->instance, point.triangle = hit->triangle;
+      point.barycentric = {hit->u, hit->v};
+      point.position =
+          scene->surfaces().at(point.instance, point.triangle, point.barycentric).position;
+      point.to_eye = point.geometric_normal = Vec3(up);
+      point.key = math::hash_mix(static_cast<std::uint64_t>(i));
+      expected.push_back(test::polygon_irradiance(point.position, up, lamp) / kPi);
+    }
+    for (const char* kernel : {"ray", "lightcuts", "brute"}) {
+      std::vector<Rgb> radiance(points.size());
+      kernels::TileScheduler scheduler;
+      (*kernels::make_kernel(kernel, exact(1, 16)))->shade(points, *scene, scheduler, radiance);
+      double difference = 0.0, square = 0.0, level = 0.0;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        const double d = radiance[i].x - std::abs(expected[i]);
+        difference += d, square += d * d, level += std::abs(expected[i]);
+      }
+      // The lamp is where its float vertices have it; a thousandth for rounding far away.
+      EXPECT_NEAR(difference, 0.0, 4.0 * std::sqrt(square) + 1e-3 * level)
+          << kernel << " at " << centre.x;
+      EXPECT_LT(4.0 * std::sqrt(square), 0.025 * level) << "a fortieth in shadow would be seen";
+    }
+  }
+}
+
 TEST(AreaLight, ABlendedLampGivesItsCoveragesShareOfLight) {
   const std::vector<Vec3> corners = {{1.5F, 1.2F, 0.4F}, {2.7F, 1.1F, 0.8F}, {2.9F, 1.6F, -0.6F}};
   scene::Scene source = floor_under(corners, {{0, 2, 1}, {0, 1, 2}});

@@ -230,7 +230,8 @@ void Pass::aim_at(const Vec3& target) {
 /// The end, too, is moved off its surface, so that the light cannot shadow itself.
 void Pass::aim_at_lights() {
   for (std::size_t i = 0; i < n_; ++i) {
-    const Vec3 end = visibility::offset_ray_origin(light_.position[i], light_.normal[i]);
+    const Vec3 end = visibility::offset_ray_origin(light_.position[i], light_.normal[i], 0.0F,
+                                                   light_.span.at[i]);
     rays_.dx[i] = end.x - points_.ray_origin.x[i];
     rays_.dy[i] = end.y - points_.ray_origin.y[i];
     rays_.dz[i] = end.z - points_.ray_origin.z[i];
@@ -278,12 +279,13 @@ void Pass::resolve(Coherence coherence, Term term, std::size_t round) {
 
 }  // namespace
 
-void LitPoints::push(const DVec3& point, const shading::Reflector& reflector,
+void LitPoints::push(const shading::Surface& surface, const shading::Reflector& reflector,
                      sampling::SampleKey key) {
   MACULA_DCHECK(count < sampling::kBatch);
-  const Vec3 rounded(point);
+  const Vec3 rounded(surface.position);
   position.set(count, rounded);
-  ray_origin.set(count, visibility::offset_ray_origin(rounded, reflector.frame().geometric));
+  ray_origin.set(count, visibility::offset_ray_origin(rounded, reflector.frame().geometric, 0.0F,
+                                                      surface.span_m));
   reflectors.set(count, reflector);
   if (keeps_whole) whole.push_back(reflector);
   keys[count] = key;

@@ -32,7 +32,9 @@ struct LitPoints {
   std::vector<std::uint16_t> cut_nodes;
 
   void clear() { count = 0, whole.clear(), cut_nodes.clear(); }
-  void push(const DVec3& point, const shading::Reflector& reflector, sampling::SampleKey key);
+  /// The point is surface.position; the reflector is the surface's.
+  void push(const shading::Surface& surface, const shading::Reflector& reflector,
+            sampling::SampleKey key);
 };
 static_assert(sampling::kBatch == visibility::kStreamCapacity);
 

@@ -44,7 +44,8 @@ void shade_batch(std::span<const SurfacePoint> points, const SceneFrame& scene,
     out[i] = shaded.emission;
     sampling::SampleKey key;
     key.value = point.key;
-    lit.push(point.position, shaded.reflector, key);
+    request.surface.position = point.position;
+    lit.push(request.surface, shaded.reflector, key);
   }
   LightingWork work;
   lighting.add(lit, out, work);

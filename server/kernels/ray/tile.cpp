@@ -125,7 +125,7 @@ class TileRun {
     radiance_[i] = shaded.emission;
     if (guide) write_guide_hit(i, request, shaded.reflector.frame());
     owner_[points_.count] = static_cast<std::uint16_t>(i);
-    points_.push(surface.position, shaded.reflector, cells_[i].key);
+    points_.push(surface, shaded.reflector, cells_[i].key);
     if (context_.cut_nodes != nullptr) {
       points_.cut_nodes.push_back((*context_.cut_nodes)(cells_[i].x, cells_[i].y));
     }

@@ -68,5 +68,48 @@ TEST(RayOffset, StaysBelowTwoMicrometersPerMeterOfCoordinate) {
   }
 }
 
+/// Rays that leave a square of `half_side` m about `centre`, from points some meters from there, as
+/// kernels compute them: between the vertices, in double. How many meet it again.
+int self_hits_on_wide_square(const Vec3& centre, float half_side, std::uint64_t turn, Start start) {
+  const Mat3 frame = sampling::frame_from_normal(
+      sampling::uniform_sphere(test::sample_2d(test::SampleKey(14, 0, turn), 0)));
+  scene::Scene source = square_at(Vec3{0.0F}, half_side * frame);
+  for (Vec3& position : source.meshes[0].positions) position += centre;
+  const auto scene = TriangleScene::create(source);
+  const scene::Mesh& mesh = source.meshes[0];
+  int hits = 0;
+  for (std::uint64_t i = 0; i < 100; ++i) {
+    const test::SampleKey key(15, turn, i);
+    const Vec2 at = 4.0F * test::sample_2d(key, 0) - 2.0F;
+    const Vec3 eye = centre + frame * Vec3{0.0F, 0.0F, 3.0F};
+    const auto hit = (*scene)->intersect(Ray{eye, centre + frame * Vec3{at, 0.0F} - eye});
+    if (!hit) continue;
+    const UVec3& corners = mesh.triangles[hit->triangle];
+    const DVec3 p0(mesh.positions[corners.x]);
+    const DVec3 e1 = DVec3(mesh.positions[corners.y]) - p0;
+    const DVec3 e2 = DVec3(mesh.positions[corners.z]) - p0;
+    const Vec3 point(p0 + static_cast<double>(hit->u) * e1 + static_cast<double>(hit->v) * e2);
+    const auto span = static_cast<float>(std::max(glm::length(e1), glm::length(e2)));
+    const Vec3 origin =
+        offset_ray_origin(point, hit->normal, 0.0F, start == Start::Offset ? span : 0.0F);
+    const Vec3 away = frame * sampling::cosine_hemisphere(test::sample_2d(key, 2));
+    hits += (*scene)->occluded(Ray{origin, away}) ? 1 : 0;
+  }
+  return hits;
+}
+
+TEST(RayOffset, CoversTheRoundingOfWideTrianglesWhereTheirPointsHaveSmallCoordinates) {
+  int without = 0;
+  for (const float half_side : {1.0F, 100.0F, 10'000.0F}) {
+    for (std::uint64_t turn = 0; turn < 20; ++turn) {
+      const Vec3 origin{0.0F}, far_away{8000.0F, -5000.0F, 3000.0F};
+      EXPECT_EQ(self_hits_on_wide_square(origin, half_side, turn, Start::Offset), 0) << half_side;
+      EXPECT_EQ(self_hits_on_wide_square(far_away, half_side, turn, Start::Offset), 0) << half_side;
+      without += self_hits_on_wide_square(origin, half_side, turn, Start::OnSurface);
+    }
+  }
+  EXPECT_GT(without, 500);  // by the points' coordinates alone
+}
+
 }  // namespace
 }  // namespace macula::visibility
