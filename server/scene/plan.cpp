@@ -48,7 +48,7 @@ bool is_registered(std::string_view kernel, std::span<const std::string_view> re
 
 bool is_textured(const Material& material) {
   return material.base_color_texture || material.metallic_roughness_texture ||
-         material.emission_texture;
+         material.emission_texture || material.specular_texture || material.specular_color_texture;
 }
 
 /// Whether alpha can take anything of its surface away.

@@ -62,7 +62,9 @@ struct Material {
   std::optional<TextureRef> metallic_roughness_texture;  ///< G roughness, B metallic, linear
   float specular = 1.0F;  ///< KHR_materials_specular; 0 = pure Lambert
   Rgb specular_color{1.0F};
-  Rgb emission{0.0F};  ///< radiance in W/(sr m^2), front face only
+  std::optional<TextureRef> specular_texture;        ///< in its fourth channel, linear
+  std::optional<TextureRef> specular_color_texture;  ///< sRGB
+  Rgb emission{0.0F};                                ///< radiance in W/(sr m^2), front face only
   std::optional<TextureRef> emission_texture;
   AlphaMode alpha_mode = AlphaMode::Opaque;
   float alpha_cutoff = 0.5F;

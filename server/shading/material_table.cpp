@@ -42,8 +42,12 @@ MaterialTable::MaterialTable(const scene::Scene& scene, const MaterialOptions& o
   };
   materials_.reserve(scene.materials.size());
   for (const scene::Material& material : scene.materials) {
-    Entry entry{material, look_up(material.base_color_texture),
-                look_up(material.metallic_roughness_texture), look_up(material.emission_texture),
+    Entry entry{material,
+                look_up(material.base_color_texture),
+                look_up(material.metallic_roughness_texture),
+                look_up(material.emission_texture),
+                look_up(material.specular_texture),
+                look_up(material.specular_color_texture),
                 material.emission};
     if (entry.emission) entry.mean_emission *= Rgb(textures_[entry.emission->texture].mean());
     const bool blends = material.alpha_mode == scene::AlphaMode::Blend;
@@ -66,10 +70,15 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_
   const Entry& entry = materials_[material];
   const Rgb base = base_color(material, uv, footprint_uv);
   if (model == MaterialModel::Lambert) return Bsdf{base};
-  const float metallic = entry.material.metallic, roughness = entry.material.roughness;
-  if (options_.specular_lobe == scene::StepUse::LeftOut) return Bsdf{(1.0F - metallic) * base};
+  const scene::Material& m = entry.material;
+  if (options_.specular_lobe == scene::StepUse::LeftOut) return Bsdf{(1.0F - m.metallic) * base};
   const Vec4 texture = read(entry.metallic_roughness, uv, footprint_uv);
-  return make_bsdf(entry.material, base, metallic * texture.z, roughness * texture.y);
+  return make_bsdf(
+      {.base = base,
+       .metallic = m.metallic * texture.z,
+       .roughness = m.roughness * texture.y,
+       .specular = m.specular * read(entry.specular, uv, footprint_uv).w,
+       .specular_color = m.specular_color * Rgb(read(entry.specular_color, uv, footprint_uv))});
 }
 
 Bsdf MaterialTable::bsdf(scene::Index material, const Rgb& base_color, MaterialModel model) const {
@@ -78,18 +87,16 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Rgb& base_color, MaterialM
   if (options_.specular_lobe == scene::StepUse::LeftOut) {
     return Bsdf{(1.0F - m.metallic) * base_color};
   }
-  return make_bsdf(m, base_color, m.metallic, m.roughness);
+  return make_bsdf({base_color, m.metallic, m.roughness, m.specular, m.specular_color});
 }
 
-Bsdf MaterialTable::make_bsdf(const scene::Material& material, const Rgb& base, float metallic,
-                              float roughness) const {
-  const Rgb dielectric =
-      material.specular * glm::min(kDielectricF0 * material.specular_color, Rgb{1.0F});
+Bsdf MaterialTable::make_bsdf(const Factors& at) const {
+  const Rgb dielectric = at.specular * glm::min(kDielectricF0 * at.specular_color, Rgb{1.0F});
   Bsdf bsdf;
-  bsdf.albedo = (1.0F - metallic) * base;
-  bsdf.f0 = (1.0F - metallic) * dielectric + metallic * base;
-  bsdf.f90 = (1.0F - metallic) * material.specular + metallic;
-  bsdf.alpha = std::clamp(roughness * roughness, kLeastAlpha, 1.0F);
+  bsdf.albedo = (1.0F - at.metallic) * at.base;
+  bsdf.f0 = (1.0F - at.metallic) * dielectric + at.metallic * at.base;
+  bsdf.f90 = (1.0F - at.metallic) * at.specular + at.metallic;
+  bsdf.alpha = std::clamp(at.roughness * at.roughness, kLeastAlpha, 1.0F);
   if (options_.specular_lobe == scene::StepUse::Forced) bsdf.f90 = std::max(bsdf.f90, kFaintest);
   return bsdf;
 }
@@ -133,7 +140,8 @@ bool MaterialTable::emits(scene::Index material) const {
 
 bool MaterialTable::textured(scene::Index material) const {
   const Entry& entry = materials_[material];
-  return entry.base_color || entry.metallic_roughness || entry.emission;
+  return entry.base_color || entry.metallic_roughness || entry.emission || entry.specular ||
+         entry.specular_color;
 }
 
 }  // namespace macula::shading

@@ -56,12 +56,16 @@ class MaterialTable {
   };
   struct Entry {
     scene::Material material;
-    std::optional<Lookup> base_color, metallic_roughness, emission;
+    std::optional<Lookup> base_color, metallic_roughness, emission, specular, specular_color;
     Rgb mean_emission{0.0F};
   };
-  /// Once textures or pattern have been read.
-  Bsdf make_bsdf(const scene::Material& material, const Rgb& base, float metallic,
-                 float roughness) const;
+  /// What textures or a pattern made of a material's factors at a point.
+  struct Factors {
+    Rgb base{0.0F};
+    float metallic = 0.0F, roughness = 1.0F, specular = 1.0F;
+    Rgb specular_color{1.0F};
+  };
+  Bsdf make_bsdf(const Factors& at) const;
   /// Share of the surface that is there, in [0, 1].
   float coverage(const Entry& entry, const Vec2& uv) const;
   Vec4 read(const std::optional<Lookup>& lookup, const Vec2& uv, float footprint_uv) const;

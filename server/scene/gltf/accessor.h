@@ -1,10 +1,13 @@
 // AccessorView: typed reading of a glTF accessor after every offset, stride and count was proven to
-// lie inside its buffer. Borrowed from the Document; cheap to copy.
+// lie inside its buffer. Borrowed from the Document, but for a sparse one, whose elements are put
+// together in memory that copies share; cheap to copy.
 #pragma once
 
 #include <cstddef>
 #include <initializer_list>
+#include <memory>
 #include <span>
+#include <vector>
 
 #include "server/scene/gltf/document.h"
 #include "server/scene/scene.h"
@@ -35,7 +38,17 @@ class AccessorView {
   }
 
  private:
+  using Bytes = std::vector<unsigned char>;
+  static Result<AccessorView> create_dense(const Document& document,
+                                           const tinygltf::Accessor& accessor,
+                                           const std::string& place);
+  static Result<AccessorView> create_sparse(const Document& document,
+                                            const tinygltf::Accessor& accessor,
+                                            const std::string& place);
+  void own(Bytes bytes, std::size_t element);
+
   std::span<const unsigned char> bytes_;  ///< from the first element to the view's end
+  std::shared_ptr<const Bytes> owned_;    ///< what bytes_ looks into; null: the Document's
   std::size_t count_ = 0, stride_ = 0;
   int component_type_ = 0;
 };

@@ -18,6 +18,12 @@ double number(const tinygltf::Value& object, const char* key, double otherwise) 
   return value.IsNumber() ? value.GetNumberAsDouble() : otherwise;
 }
 
+/// -1 for a number that is no index.
+int integer(const tinygltf::Value& object, const char* key, int otherwise) {
+  const double value = number(object, key, otherwise);
+  return value >= 0.0 && value <= std::numeric_limits<int>::max() ? static_cast<int>(value) : -1;
+}
+
 std::vector<double> numbers(const tinygltf::Value& object, const char* key,
                             std::vector<double> otherwise) {
   const tinygltf::Value& value = object.Get(key);
@@ -46,6 +52,20 @@ Wrap wrap_mode(int gltf_mode) {
   }
 }
 
+/// A texture that an extension's object names; index -1 where it names none.
+tinygltf::TextureInfo texture_info(const tinygltf::Value& object, const char* key) {
+  tinygltf::TextureInfo info;
+  const tinygltf::Value& value = object.Get(key);
+  if (!value.IsObject()) return info;
+  info.index = integer(value, "index", -1);
+  info.texCoord = integer(value, "texCoord", 0);
+  const tinygltf::Value& extensions = value.Get("extensions");
+  constexpr const char* kTransform = "KHR_texture_transform";
+  if (extensions.IsObject() && extensions.Has(kTransform))
+    info.extensions[kTransform] = extensions.Get(kTransform);
+  return info;
+}
+
 class MaterialImporter {
  public:
   MaterialImporter(const Document& document, Scene& scene, Warnings& warnings)
@@ -62,7 +82,7 @@ class MaterialImporter {
   Result<void> import_textures(const tinygltf::Material& from, Material& to, int& texcoord_set);
   void import_factors(const tinygltf::Material& from, Material& to);
   void import_emission(const tinygltf::Material& from, Material& to);
-  void import_specular(const tinygltf::Material& from, Material& to);
+  Result<void> import_specular(const tinygltf::Material& from, Material& to, int& texcoord_set);
   void warn_about_the_rest(const tinygltf::Material& from);
   float limited(double value, float low, float high, const char* what);
   Rgb limited_color(const std::vector<double>& values, float high, const char* what);
@@ -186,15 +206,22 @@ void MaterialImporter::import_emission(const tinygltf::Material& from, Material&
   }
 }
 
-void MaterialImporter::import_specular(const tinygltf::Material& from, Material& to) {
+Result<void> MaterialImporter::import_specular(const tinygltf::Material& from, Material& to,
+                                               int& texcoord_set) {
   const auto* specular = extension(from.extensions, "KHR_materials_specular");
-  if (!specular) return;
+  if (!specular) return {};
   to.specular = limited(number(*specular, "specularFactor", 1.0), 0.0F, 1.0F, "specularFactor");
   to.specular_color = limited_color(numbers(*specular, "specularColorFactor", {1.0, 1.0, 1.0}),
                                     kLargest, "specularColorFactor");
-  if (specular->Has("specularTexture") || specular->Has("specularColorTexture")) {
-    warnings_.add("specular textures are ignored");
-  }
+  auto strength =
+      texture(texture_info(*specular, "specularTexture"), ColorSpace::Linear, texcoord_set);
+  if (!strength) return forward(strength);
+  auto color =
+      texture(texture_info(*specular, "specularColorTexture"), ColorSpace::Srgb, texcoord_set);
+  if (!color) return forward(color);
+  to.specular_texture = *strength;
+  to.specular_color_texture = *color;
+  return {};
 }
 
 void MaterialImporter::warn_about_the_rest(const tinygltf::Material& from) {
@@ -215,7 +242,9 @@ Result<Material> MaterialImporter::import_material(std::size_t index, int& texco
   }
   import_factors(from, to);
   import_emission(from, to);
-  import_specular(from, to);
+  if (const auto specular = import_specular(from, to, texcoord_set); !specular) {
+    return forward(specular);
+  }
   warn_about_the_rest(from);
   return to;
 }

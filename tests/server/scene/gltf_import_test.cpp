@@ -113,6 +113,24 @@ TEST(GltfImport, MaterialFactorsAndExtensionsArrive) {
   EXPECT_EQ((*scene)->emissive_triangle_count(), 1U);
 }
 
+TEST(GltfImport, SparseAccessorsReplaceElementsOfADenseOneOrOfZeros) {
+  const TemporaryFolder folder;
+  // Corner 2 moves to where bytes 12 to 23 say: (1, 0, 0); its index stands at byte 40.
+  const std::string sparse =
+      R"(,"sparse":{"count":1,"indices":{"bufferView":1,"byteOffset":4,"componentType":5123},)"
+      R"("values":{"bufferView":0,"byteOffset":12}})";
+  const std::string kind = R"("componentType":5126,"count":3,"type":"VEC3")";
+  const auto dense = load_triangle(folder, replaced(test::triangle_json(), kind, kind + sparse));
+  ASSERT_TRUE(dense) << dense.error().message();
+  const std::vector<Vec3> replaced_corner = {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}};
+  EXPECT_EQ((*dense)->meshes[0].positions, replaced_corner);
+  const auto zeros = load_triangle(
+      folder, replaced(test::triangle_json(), R"("bufferView":0,)" + kind, kind + sparse));
+  ASSERT_TRUE(zeros) << zeros.error().message();
+  const std::vector<Vec3> one_corner = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}};
+  EXPECT_EQ((*zeros)->meshes[0].positions, one_corner);
+}
+
 TEST(GltfImport, CamerasAndPunctualLightsArriveInMeters) {
   // Half a meter a unit: positions halve, and intensity goes with length squared so that the
   // irradiance at the same place of the scene stays.
@@ -190,7 +208,9 @@ TEST(GltfImport, APngTextureIsDecodedOnceAndReferredTo) {
       test::triangle_json(), R"({"name":"paint"})",
       R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":{)"
       R"("KHR_texture_transform":{"offset":[0.5,0.25],"rotation":1.5,"scale":[2,3]}}}},)"
-      R"("emissiveTexture":{"index":1}}],)"
+      R"("emissiveTexture":{"index":1},"extensions":{"KHR_materials_specular":{"specularTexture":)"
+      R"({"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0.125]}}},)"
+      R"("specularColorTexture":{"index":1}}}}],)"
       R"("textures":[{"source":0,"sampler":0},{"source":0}],"samplers":[{"wrapS":33071,"wrapT":33648}],)"
       R"("images":[{"uri":"paint%20it.png"})");
   const auto scene = load_triangle(folder, json);
@@ -206,6 +226,12 @@ TEST(GltfImport, APngTextureIsDecodedOnceAndReferredTo) {
   EXPECT_EQ(reference.uv_scale, Vec2(2.0F, 3.0F));
   EXPECT_EQ(reference.uv_rotation_rad, 1.5F);
   EXPECT_EQ((*scene)->materials[0].emission_texture.value().image, 0U);
+  const TextureRef& specular = (*scene)->materials[0].specular_texture.value();
+  EXPECT_EQ(specular.space, ColorSpace::Linear);
+  EXPECT_EQ(specular.wrap_u, Wrap::Clamp);
+  EXPECT_EQ(specular.uv_offset, Vec2(0.5F, 0.125F));
+  EXPECT_EQ((*scene)->materials[0].specular_color_texture.value().space, ColorSpace::Srgb);
+  EXPECT_TRUE((*scene)->warnings.empty()) << (*scene)->warnings.front();
 }
 
 TEST(GltfImport, AJpegTextureIsDecodedWhateverItsNameAndACutOneIsRefused) {

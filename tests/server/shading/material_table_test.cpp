@@ -35,6 +35,26 @@ TEST(MaterialTable, AMetalHasNoDiffusePartAndItsColourInTheLobe) {
   EXPECT_FLOAT_EQ(bsdf.alpha, 0.25F);
 }
 
+TEST(MaterialTable, SpecularTexturesScaleTheLobeOfADielectric) {
+  scene::Material material;
+  material.specular = 0.5F;
+  material.specular_color = Rgb{2.0F};
+  scene::Scene scene;
+  scene.images.push_back({"strength", image::Plane<image::Rgba8>(1, 1, {9, 9, 9, 51})});
+  scene.images.push_back({"colour", image::Plane<image::Rgba8>(1, 1, {255, 188, 0, 7})});
+  material.specular_texture = scene::TextureRef{.image = 0, .space = scene::ColorSpace::Linear};
+  material.specular_color_texture = scene::TextureRef{.image = 1};
+  scene.materials = {material};
+  const MaterialTable table(scene);
+  EXPECT_TRUE(table.textured(0));
+  const Bsdf bsdf = table.bsdf(0, Vec2{0.3F}, 0.0F, MaterialModel::AsInScene);
+  // Half of a fifth of 0.04 x 2 x (1, 0.503, 0): sRGB 188 is linear 0.503.
+  EXPECT_NEAR(bsdf.f90, 0.1F, 1e-6F);
+  EXPECT_NEAR(bsdf.f0.x, 0.008F, 1e-6F);
+  EXPECT_NEAR(bsdf.f0.y, 0.008F * 0.503F, 1e-5F);
+  EXPECT_EQ(bsdf.f0.z, 0.0F);
+}
+
 TEST(MaterialTable, LambertModelKeepsTheBaseColourOfAMetal) {
   scene::Material material;
   material.base_color = {0.9F, 0.6F, 0.2F};
