@@ -68,6 +68,10 @@ std::vector<InstanceMotion> motions_between(const ScenePose& before, const Scene
 /// The motion as a rigid one, where lengths and angles stay within 1e-6 of themselves.
 std::optional<Pose> rigid_motion(const DMat4& now_from_before);
 
+/// A bound on how far anything of the scene is ever from the world's origin, over all keys of its
+/// tracks and shapes; meters. Never too small; too large where turns and shifts do not add up.
+double farthest_reach_m(const Scene& scene);
+
 /// Tracks, joints and deformations keep their promises: sizes, order of times and of parents,
 /// finite values, indices. The error names the joint or mesh.
 Result<void> check_motion(const Scene& scene);

@@ -6,6 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
+#include "server/scene/animation.h"
 #include "server/scene/assimp/import.h"
 #include "server/scene/built_in/scenes.h"
 #include "server/scene/environment.h"
@@ -148,6 +149,10 @@ Result<std::shared_ptr<const Scene>> load_file(const std::string& path) {
       return base::bad_input("the scene reaches farther than 10,000 km", path,
                              "set meters_per_unit in " + side_file_of(path).filename().string());
     }
+  }
+  if (!moving_parts(*scene).none() && !(farthest_reach_m(*scene) < kFarthest)) {
+    return base::bad_input("its motion may lead farther than 10,000 km", path,
+                           "smaller translations and scales, or another meters_per_unit");
   }
   return std::make_shared<const Scene>(std::move(*scene));
 }

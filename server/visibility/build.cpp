@@ -8,8 +8,8 @@
 namespace macula::visibility {
 namespace {
 
-/// Meshes below this many triangles are copied per instance: entering an instance costs more than
-/// their share of the top level.
+/// Meshes below this many triangles are copied per instance, where there is room: entering an
+/// instance costs more than their share of the top level.
 constexpr std::size_t kFewTriangles = 256;
 /// Below this many triangles a packet finds its few nodes in the nearest cache whatever its rays'
 /// directions, and beats a stream.
@@ -173,8 +173,28 @@ Builder::Builder(const scene::Scene& scene, const Options& options, DeviceState&
       options_(options),
       device_(device),
       all_flat_(scene.triangle_count() <= options.flat_triangles),
-      uses_(scene.meshes.size(), 0) {
-  for (const scene::Instance& instance : scene.instances) ++uses_[instance.mesh];
+      copied_(scene.meshes.size(), false) {
+  std::vector<std::size_t> uses(scene.meshes.size(), 0);
+  for (const scene::Instance& instance : scene.instances) ++uses[instance.mesh];
+  choose_copied(uses);
+}
+
+/// Meshes with one instance; of the others the small ones, from the smallest on, whose gain is
+/// largest, while their copies together stay within a scene that would be all flat.
+void Builder::choose_copied(const std::vector<std::size_t>& uses) {
+  const auto size = [this](scene::Index mesh) { return scene_.meshes[mesh].triangles.size(); };
+  std::vector<scene::Index> small;
+  for (scene::Index mesh = 0; mesh < uses.size(); ++mesh) {
+    copied_[mesh] = uses[mesh] < 2;
+    if (!copied_[mesh] && size(mesh) < kFewTriangles) small.push_back(mesh);
+  }
+  std::ranges::stable_sort(small, {}, size);
+  std::size_t left = options_.flat_triangles;
+  for (const scene::Index mesh : small) {
+    const std::size_t copies = uses[mesh] * size(mesh);
+    copied_[mesh] = copies <= left;
+    if (copied_[mesh]) left -= copies;
+  }
 }
 
 /// Only a scene of low quality keeps a tree for each geometry, which can be refitted; the trees
@@ -208,6 +228,7 @@ FilteredMesh& Builder::filtered(scene::Index mesh) {
 RTCGeometry Builder::new_triangles(scene::Index mesh_index, std::span<const Vec3> positions,
                                    const DMat4& transform, Change change) {
   const scene::Mesh& mesh = scene_.meshes[mesh_index];
+  triangles_made_ += mesh.triangles.size();
   const RTCGeometry geometry = rtcNewGeometry(device_.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetGeometryBuildQuality(geometry, change == Change::Vertices
                                            ? RTC_BUILD_QUALITY_REFIT
@@ -245,8 +266,7 @@ bool Builder::is_there(scene::Index instance) const {
 
 bool Builder::goes_flat(scene::Index instance, const DMat4& world_from_object) const {
   const scene::Index mesh = scene_.instances[instance].mesh;
-  return all_flat_ || uses_[mesh] < 2 || scene_.meshes[mesh].triangles.size() < kFewTriangles ||
-         !is_invertible(DMat3(world_from_object));
+  return all_flat_ || copied_[mesh] || !is_invertible(DMat3(world_from_object));
 }
 
 RTCGeometry Builder::add_flat(scene::Index index, const scene::ScenePose& pose, RTCScene into,
@@ -322,6 +342,7 @@ Result<std::shared_ptr<const TriangleScene>> TriangleScene::create(const scene::
     }
   }
   rtcCommitScene(state->top.get());
+  state->triangles_kept = builder.triangles_made();
   if (const auto good = (*device)->check(scene.name); !good) return base::forward(good);
   return Made(new TriangleScene(std::move(state)));
 }
@@ -333,6 +354,9 @@ bool TriangleScene::has_device() const {
 }
 bool TriangleScene::blends() const {
   return state_->blends;
+}
+std::size_t TriangleScene::triangles_kept() const {
+  return state_->triangles_kept;
 }
 int TriangleScene::packet_width() const {
   return state_->packet_width;

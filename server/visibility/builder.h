@@ -35,8 +35,11 @@ class Builder {
   /// An instance of `child` in the top level, which it belongs to, with its index as id.
   RTCGeometry add_instance(scene::Index instance, RTCScene child, const DMat4& world_from_object,
                            SceneState& state) const;
+  /// In all geometries made so far.
+  std::size_t triangles_made() const { return triangles_made_; }
 
  private:
+  void choose_copied(const std::vector<std::size_t>& uses);
   AlphaUse alpha_of(const scene::Mesh& mesh) const;
   FilteredMesh& filtered(scene::Index mesh);
 
@@ -44,7 +47,8 @@ class Builder {
   const Options options_;
   DeviceState& device_;
   const bool all_flat_;
-  std::vector<std::size_t> uses_;  ///< instances of each mesh
+  std::vector<bool> copied_;  ///< by mesh: its instances by their own triangles
+  std::size_t triangles_made_ = 0;
   std::map<scene::Index, SceneHandle> children_;
 };
 

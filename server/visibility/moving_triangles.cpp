@@ -145,6 +145,7 @@ Result<std::shared_ptr<TriangleScene>> MovingTriangles::make(const scene::SceneP
     const RTCScene child = still.child_of_moving(i, *state);
     state->moved.push_back({i, still.builder.add_instance(i, child, DMat4(1.0), *state)});
   }
+  state->triangles_kept = still.builder.triangles_made();
   Made made(new TriangleScene(std::move(state)));
   if (const auto moved = move(*made, pose); !moved) return base::forward(moved);
   return made;

@@ -74,7 +74,8 @@ struct SceneState {
   SceneHandle top;  ///< geometry and instance ids are indices into Scene::instances
   /// Id of the one instance that stands for all that never moves; its geometries have the indices.
   std::uint32_t still_id = RTC_INVALID_GEOMETRY_ID;  ///< always Scene::instances.size()
-  int packet_width = 0;                              ///< 0: no device
+  std::size_t triangles_kept = 0;
+  int packet_width = 0;  ///< 0: no device
   bool has_instances = false;
   bool scatters = false;  ///< incoherent occlusion rays go as one stream, not in packets
   bool blends = false;    ///< rays carry their BlendRule as Embree's ray id

@@ -75,6 +75,59 @@ void expect_near(const DVec3& value, const DVec3& expected) {
       << value.x << " " << value.y << " " << value.z;
 }
 
+TEST(GltfAnimation, OneThatLeadsBeyondWhatFloatsHoldIsRefused) {
+  AnimatedFile file;
+  file.values = {0, 0, 0, 2e7F, 0, 0};
+  const auto far_away = file.load();
+  ASSERT_FALSE(far_away);
+  EXPECT_NE(far_away.error().message().find("10,000 km"), std::string::npos);
+  EXPECT_NE(far_away.error().message().find("moving.gltf"), std::string::npos);
+  file.values = {0, 0, 0, 9e6F, 0, 0};
+  EXPECT_TRUE(file.load());
+  // Two nodes, each within the limit, that come to 1.2e7 m together.
+  file.nodes = R"([{"children":[1],"translation":[6e6,0,0]},{"mesh":0}])";
+  file.channels = R"([{"sampler":0,"target":{"node":1,"path":"translation"}}])";
+  file.values = {0, 0, 0, 6e6F, 0, 0};
+  EXPECT_FALSE(file.load());
+  file.interpolation = "CUBICSPLINE";  // tangents of 1e9 m/s swing far out between the keys
+  file.nodes = R"([{"mesh":0}])";
+  file.channels = R"([{"sampler":0,"target":{"node":0,"path":"translation"}}])";
+  file.values = {0, 0, 0, 0, 0, 0, 1e9F, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0};
+  file.value_count = 6;
+  EXPECT_FALSE(file.load());
+  file.values[6] = 1.0F;
+  EXPECT_TRUE(file.load());
+}
+
+TEST(Motion, TheFarthestReachBoundsEveryMoment) {
+  Scene scene;
+  scene.meshes.resize(1);
+  scene.meshes[0].positions = {{1, 2, 2}};
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    Joint joint;
+    if (i > 0) joint.parent = i - 1;
+    joint.parent_from_base = glm::rotate(DMat4(1.0), 0.7 * i, glm::normalize(DVec3(1, i, 2)));
+    joint.translations.times_s = {0.0, 1.0, 2.0};
+    joint.translations.values = {{0, 0, 0}, {2.0 + i, 1, 0}, {0, -1, 3}};
+    joint.scales.times_s = {0.0, 2.0};
+    joint.scales.values = {{1, 1, 1}, {0.5, 1.5, 1.0}};
+    scene.joints.push_back(joint);
+  }
+  scene.instances.push_back({0, glm::translate(DMat4(1.0), DVec3(0, 1, 0)), 3});
+  const double bound = farthest_reach_m(scene);
+  double farthest = 0.0;
+  for (int k = 0; k <= 40; ++k) {
+    const ScenePose pose = pose_at(scene, at(0.05 * k));
+    farthest =
+        std::max(farthest, glm::length(DVec3(pose.world_from_object[0] * DVec4(1, 2, 2, 1))));
+  }
+  EXPECT_LE(farthest, bound);
+  EXPECT_LT(bound, 5.0 * farthest);
+  scene.joints.clear();
+  scene.instances[0].joint.reset();
+  EXPECT_NEAR(farthest_reach_m(scene), 4.0, 1e-9) << "3 for the vertex, 1 for the shift";
+}
+
 TEST(GltfAnimation, ALinearTranslationMovesTheMeshAndBeginsAgain) {
   const auto scene = AnimatedFile{}.load();
   ASSERT_TRUE(scene) << scene.error().message();

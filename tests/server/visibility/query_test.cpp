@@ -280,5 +280,31 @@ TEST(Queries, ACollapsedInstanceIsKeptAsFlatAndANonFiniteOneIsRefused) {
   EXPECT_EQ(refused.error().exit_status(), 2);
 }
 
+TEST(Queries, CopiesOfSmallMeshesStayWithinTheirBudget) {
+  // 20,000 instances of a mesh of 20 triangles and 3 of one of 80: together above any budget of
+  // less than 400,240.
+  scene::Scene source = test::scene_of(test::make_bumpy_sphere(0, 0.0F));
+  source.instances.clear();
+  source.meshes.push_back(test::make_bumpy_sphere(1, 0.0F));
+  for (int i = 0; i < 20'000; ++i) {
+    const DVec3 place(3.0 * (i % 100), 0.0, 3.0 * (i / 100));
+    source.instances.push_back({0, glm::translate(DMat4(1.0), place)});
+  }
+  for (int i = 0; i < 3; ++i) {
+    source.instances.push_back({1, glm::translate(DMat4(1.0), DVec3(3.0 * i, 9.0, 0.0))});
+  }
+  const auto kept = [&](std::size_t flat_triangles) {
+    return make(source, {.flat_triangles = flat_triangles})->triangles_kept();
+  };
+  EXPECT_EQ(kept(400'240), 400'240U) << "all flat";
+  EXPECT_EQ(kept(400'239), 400'080U) << "the smaller mesh fits, the other is shared";
+  EXPECT_EQ(kept(100'000), 260U) << "the many are shared, the few copied";
+  EXPECT_EQ(kept(0), 100U) << "both are shared";
+  const auto shared = make(source, {.flat_triangles = 0});
+  const auto hit = shared->intersect(Ray{{150.0F, 5.0F, 300.0F}, {0.0F, -1.0F, 0.0F}});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->instance, 10'050U);
+}
+
 }  // namespace
 }  // namespace macula::visibility
