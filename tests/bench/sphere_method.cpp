@@ -1,5 +1,7 @@
 #include "tests/bench/sphere_method.h"
 
+#include <limits>
+
 #include "shared/base/text.h"
 
 namespace macula::bench {
@@ -36,6 +38,7 @@ Result<sphere::Config> foveated(const SphereCase& row) {
   config.mask.rule = sphere::MaskRule::Literal;
   config.mask.origin = sphere::AcuityOrigin::Gaze;
   config.mask.flat_share = 0.0F;
+  config.detail = std::numeric_limits<float>::infinity();
   config.kept = sphere::Kept::InPlace;
   return config;
 }

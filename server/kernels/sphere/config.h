@@ -89,6 +89,9 @@ struct Config {
   int samples_per_cell = 1;  ///< of an important cell, 1..kMostSamples
   MaskConfig mask;
   int block_samples = 1;  ///< of a 2 x 2 block of the middle level, 1..kMostSamples
+  /// Step of lightness from a block to one beside it, [0, 1], beyond which all their cells are
+  /// traced, with `block_samples` each; +infinity: none are.
+  float detail = 0.1F;
   Refresh refresh = Refresh::EveryFrame;
   Kept kept = Kept::Reprojected;
   Transition transition = Transition::Hard;

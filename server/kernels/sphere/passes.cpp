@@ -1,8 +1,10 @@
 #include "server/kernels/sphere/passes.h"
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
+#include "server/kernels/sphere/detail.h"
 #include "server/kernels/sphere/edges.h"
 #include "server/kernels/sphere/fill.h"
 #include "server/kernels/sphere/hit_shader.h"
@@ -171,7 +173,7 @@ class ViewRun {
     } else if (context_.config.tracing == Tracing::PaperPyramid) {
       trace_paper_pyramid();
     } else {
-      trace_cells(nullptr);
+      trace_cells(context_.config.samples_per_cell, nullptr);
     }
     return report_;
   }
@@ -180,7 +182,8 @@ class ViewRun {
   void foveated(const ViewHistory* last, ViewHistory& now);
   LowLevel trace_low(const PixelGrid& low_grid);
   void trace_mid(const PixelGrid& mid_grid, MidLevel& mid);
-  void trace_cells(const Plane<std::uint8_t>* mask);
+  void trace_cells(int samples, const Plane<std::uint8_t>* mask);
+  void trace_detail(MidLevel& mid, Plane<std::uint8_t>& finished);
 
   void trace_paper_pyramid();
 
@@ -243,11 +246,11 @@ class ShadeInto {
   Writer writer_;
 };
 
-void ViewRun::trace_cells(const Plane<std::uint8_t>* mask) {
-  const int n = context_.config.samples_per_cell;
+void ViewRun::trace_cells(int samples, const Plane<std::uint8_t>* mask) {
   const PixelGrid& grid = context_.view.grid;
-  trace(grid, n, 1, mask,
-        [&] { return ShadeInto(context_, grid, n, CellWriter(context_, grid, n, out_)); });
+  trace(grid, samples, 1, mask, [&] {
+    return ShadeInto(context_, grid, samples, CellWriter(context_, grid, samples, out_));
+  });
 }
 
 /// Takes nothing: levels that only guide the next.
@@ -285,6 +288,19 @@ void ViewRun::trace_mid(const PixelGrid& mid_grid, MidLevel& mid) {
   const int n = context_.config.block_samples;
   trace(mid_grid, n, kMidSide, &wanted,
         [&] { return ShadeInto(context_, mid_grid, n, MidWriter(context_.wanted, n, mid)); });
+}
+
+/// Traces the cells where the middle level shows detail and adds them to `finished`.
+void ViewRun::trace_detail(MidLevel& mid, Plane<std::uint8_t>& finished) {
+  const Config& config = context_.config;
+  const Detail detail = find_detail(mid, finished, context_.view.tone, config.detail, scheduler_);
+  trace_cells(config.block_samples, &detail.cells);
+  if (report_.stopped) return;
+  for (std::size_t i = 0; i < finished.size(); ++i)
+    finished.pixels()[i] |= detail.cells.pixels()[i];
+  for (std::size_t i = 0; i < mid.source.size(); ++i)
+    if (detail.blocks.pixels()[i] != 0) mid.source.pixels()[i] = MidSource::Average;
+  average_important(out_, context_.wanted, scheduler_, mid);
 }
 
 /// Depths of the low level, which need no light.
@@ -370,10 +386,13 @@ void ViewRun::foveated(const ViewHistory* last, ViewHistory& now) {
     keep({view, now.mid_grid, low, ends, context_.frame, config}, *last, scheduler_, mid);
   }
   trace_mid(now.mid_grid, mid);
-  trace_cells(&important);
+  trace_cells(config.samples_per_cell, &important);
   if (report_.stopped) return;
   average_important(out_, context_.wanted, scheduler_, mid);
-  fill_unimportant(view.grid, now.mid_grid, important, mid, context_.wanted, scheduler_, out_);
+  Plane<std::uint8_t> finished = important;
+  if (std::isfinite(config.detail)) trace_detail(mid, finished);
+  if (report_.stopped) return;
+  fill_unimportant(view.grid, now.mid_grid, finished, mid, context_.wanted, scheduler_, out_);
   if (config.transition == Transition::Gaussian)
     soften_transitions(important, scheduler_, out_.radiance);
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 
 #include "server/scene/field_scene.h"
@@ -43,6 +44,7 @@ View view_of(const SceneFrame& scene, int side = kSide, double fov_deg = 90.0) {
   return view;
 }
 
+constexpr float kNoDetail = std::numeric_limits<float>::infinity();
 constexpr unsigned kPlanes = kSurfaceId | kNormal | kAlbedo | kSamples | kSteps | kVariance;
 
 /// Frames of one session.
@@ -177,6 +179,7 @@ TEST(SphereKernel, WhatIsKeptOfAStillSceneIsWhatWouldBeTraced) {
   const auto scene = frame_of("primitives");
   const View view = view_of(*scene);
   Config config;
+  config.detail = kNoDetail;
   config.mask.rule = MaskRule::Literal;  // its random mask aside, the same frame again and again
   config.mask.fovea = Degrees{0.5};
   config.mask.outer = Degrees{1.0};
@@ -196,6 +199,7 @@ TEST(SphereKernel, WhatIsKeptOfAStillSceneIsWhatWouldBeTraced) {
 TEST(SphereKernel, WhatIsKeptFollowsAMovingHeadBetterThanInPlace) {
   const auto scene = frame_of("primitives");
   Config config;
+  config.detail = kNoDetail;
   config.mask.fovea = Degrees{0.5};
   config.mask.outer = Degrees{1.0};
   Session fresh(config);
@@ -215,6 +219,29 @@ TEST(SphereKernel, WhatIsKeptFollowsAMovingHeadBetterThanInPlace) {
   EXPECT_LT(error_reprojected, 0.3 * error_in_place);
 }
 
+TEST(SphereKernel, EdgesOfPatternsAreTracedFarFromTheGaze) {
+  const auto scene = frame_of("primitives");
+  const View view = view_of(*scene);
+  for (const int samples : {1, 16}) {
+    Session whole(unfoveated(Tracing::Pyramid, samples));
+    const Plane<Rgb> expected = whole.next(*scene, view).radiance;
+    Config config;
+    config.samples_per_cell = samples;
+    config.block_samples = block_samples_for(samples);
+    config.refresh = Refresh::EveryFourth;
+    Session detailed(config);
+    config.detail = kNoDetail;
+    Session drawn(config);
+    for (int i = 0; i < 3; ++i) {
+      const double error = mean_difference(detailed.next(*scene, view).radiance, expected);
+      const double without = mean_difference(drawn.next(*scene, view).radiance, expected);
+      EXPECT_LT(error, 0.5 * without) << samples << " samples, frame " << i;
+    }
+    EXPECT_GT(detailed.report().primary_rays, drawn.report().primary_rays);
+    EXPECT_LT(detailed.report().primary_rays, whole.report().primary_rays * 3 / 4);
+  }
+}
+
 TEST(SphereKernel, TheSkyAndFloorsUnderLiteralEdgesAreKept) {
   const auto scene = frame_of_text(R"({
     "sky": 1, "far": 1000, "materials": {"white": {"color": 0.5}},
@@ -222,6 +249,7 @@ TEST(SphereKernel, TheSkyAndFloorsUnderLiteralEdgesAreKept) {
   })");
   View view = view_of(*scene);
   Config config;
+  config.detail = kNoDetail;
   config.mask.rule = MaskRule::Literal;
   config.mask.fovea = Degrees{0.5};
   config.mask.outer = Degrees{1.0};
