@@ -49,16 +49,23 @@ void CutSampler::draw(std::size_t round, std::span<const sampling::SampleKey> ke
                       std::uint32_t sample, LightDraws& out) const {
   MACULA_DCHECK(keys.size() >= count_);
   const auto dimension = kLeafDimension + static_cast<std::uint32_t>(round);
+  std::array<Descent, sampling::kBatch> descents;
+  std::array<std::size_t, sampling::kBatch> receiver_of;
+  std::size_t walks = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     out.light.at[i] = 0;
     out.inverse_probability.at[i] = 0.0F;
     const std::size_t node = first_[i] + round;
     if (node >= first_[i + 1]) continue;
-    const LeafChoice choice = LightWalk(tree_, receivers_[i], rule_)
-                                  .choose(nodes_[node], stratified(keys[i], dimension, sample));
-    if (choice.leaf == 0) continue;
-    out.light.at[i] = *tree_.light_at(choice.leaf);
-    out.inverse_probability.at[i] = static_cast<float>(1.0 / choice.probability);
+    descents[walks] = {receivers_[i], nodes_[node], stratified(keys[i], dimension, sample)};
+    receiver_of[walks++] = i;
+  }
+  std::array<LeafChoice, sampling::kBatch> choices;
+  choose_each(tree_, rule_, {descents.data(), walks}, choices);
+  for (std::size_t k = 0; k < walks; ++k) {
+    if (choices[k].leaf == 0) continue;
+    out.light.at[receiver_of[k]] = *tree_.light_at(choices[k].leaf);
+    out.inverse_probability.at[receiver_of[k]] = static_cast<float>(1.0 / choices[k].probability);
   }
 }
 

@@ -80,6 +80,17 @@ class LightWalk {
   WeightRule rule_;
 };
 
+/// A walk to make: LightWalk(tree, receiver, rule).choose(node, u).
+struct Descent {
+  Receiver receiver;
+  NodeId node = 1;
+  double u = 0.0;  ///< in [0, 1)
+};
+/// Makes every walk; choices[i] is what descents[i] chooses by itself. Several are on their way at
+/// a time, so that while one waits for its next block the others are weighed.
+void choose_each(const LightTree& tree, WeightRule rule, std::span<const Descent> descents,
+                 std::span<LeafChoice> choices);
+
 /// As a share of the lights' radius: nearer, distances no longer make a node more urgent to split.
 inline constexpr float kLeastCutDistance = 0.001F;
 

@@ -7,9 +7,11 @@
 #include <limits>
 
 #include "server/sampling/frame.h"
+#include "shared/base/check.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "server/lights/light_walk_simd.cpp"
+#include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
 
@@ -271,11 +273,14 @@ struct Picked {
 /// are added up, since no branch could be foretold. A lane without a chance has no stretch.
 HWY_INLINE HWY_ATTR Picked pick(const Chances& chances, double u) {
   const Floats d;
-  alignas(64) float sums[kNodes];  // within each four
+  // Within each four: of the lanes up to each, and of those before it.
+  alignas(64) float sums[kNodes], before[kNodes];
   for (std::size_t lane = 0; lane < kNodes; lane += hn::Lanes(d)) {
     auto x = hn::Load(d, chances.at + lane);
     x = hn::Add(x, hn::ShiftLeftLanes<1>(d, x));
-    hn::Store(hn::Add(x, hn::ShiftLeftLanes<2>(d, x)), d, sums + lane);
+    x = hn::Add(x, hn::ShiftLeftLanes<2>(d, x));
+    hn::Store(x, d, sums + lane);
+    hn::Store(hn::ShiftLeftLanes<1>(d, x), d, before + lane);
   }
   const auto target = static_cast<float>(u * static_cast<double>(chances.total));
   const float four[4] = {0.0F, sums[3], sums[3] + sums[7], sums[3] + sums[7] + sums[11]};
@@ -287,27 +292,119 @@ HWY_INLINE HWY_ATTR Picked pick(const Chances& chances, double u) {
   std::size_t lane = 4 * group + passed(in_group[0]) + passed(in_group[1]) + passed(in_group[2]);
   // Rounding may carry the target past the last stretch.
   while (!(chances.at[lane] > 0.0F)) lane = (lane + kNodes - 1) % kNodes;
-  return {lane, four[lane / 4] + (lane % 4 == 0 ? 0.0F : sums[lane - 1])};
+  return {lane, four[lane / 4] + before[lane]};
 }
 
-HWY_ATTR LeafChoice choose_leaf(const LightTree& tree, const Receiver& receiver, WeightRule rule,
-                                NodeId node, double u) {
-  const Eye eye(receiver);
-  double probability = 1.0;
-  while (!tree.is_leaf(node)) {
-    const Step step = step_below(node, tree.first_leaf());
-    Chances chances;
-    chances_below(tree, eye, rule, step, chances);
-    if (!(chances.total > 0.0F)) return {};
-    const Picked picked = pick(chances, u);
-    const double chance = chances.at[picked.lane], total = chances.total;
-    probability *= chance / total;
-    // What is left of u inside its stretch is uniform again.
-    constexpr double kBelowOne = 1.0 - 0x1p-53;
-    u = std::clamp((u * total - static_cast<double>(picked.before)) / chance, 0.0, kBelowOne);
-    node = static_cast<NodeId>(step.block * kNodes + picked.lane);
+/// A walk on its way down.
+struct Walk {
+  Eye eye{Receiver{}};
+  NodeId node = 0;  ///< where it is; 0: no light below reaches the receiver
+  double u = 0.0, probability = 0.0;
+  std::size_t descent = 0;  ///< which one it is
+
+  Walk() = default;
+  Walk(const Descent& from, std::size_t which)
+      : eye(from.receiver), node(from.node), u(from.u), probability(1.0), descent(which) {}
+  bool has_ended(const LightTree& tree) const { return node == 0 || tree.is_leaf(node); }
+  LeafChoice choice() const { return {node, probability}; }
+};
+
+/// A visit's outcome before it is drawn.
+struct Visit {
+  Chances chances;
+  std::size_t block = 0;
+};
+HWY_INLINE HWY_ATTR void weigh_below(const LightTree& tree, WeightRule rule, const Walk& walk,
+                                     Visit& visit) {
+  const Step step = step_below(walk.node, tree.first_leaf());
+  visit.block = step.block;
+  visit.chances.total = 0.0F;
+  chances_below(tree, walk.eye, rule, step, visit.chances);
+}
+HWY_INLINE HWY_ATTR void go_down(const Visit& visit, Walk& walk) {
+  const Chances& chances = visit.chances;
+  if (!(chances.total > 0.0F)) {
+    walk.node = 0, walk.probability = 0.0;
+    return;
   }
-  return {node, probability};
+  const Picked picked = pick(chances, walk.u);
+  const double chance = chances.at[picked.lane], total = chances.total;
+  walk.probability *= chance / total;
+  // What is left of u inside its stretch is uniform again.
+  constexpr double kBelowOne = 1.0 - 0x1p-53;
+  const double left = (walk.u * total - static_cast<double>(picked.before)) / chance;
+  walk.u = std::min(std::max(left, 0.0), kBelowOne);
+  walk.node = static_cast<NodeId>(visit.block * kNodes + picked.lane);
+}
+
+HWY_ATTR LeafChoice choose_leaf(const LightTree& tree, WeightRule rule, const Descent& descent) {
+  Walk walk(descent, 0);
+  Visit visit;
+  while (!walk.has_ended(tree)) {
+    weigh_below(tree, rule, walk, visit);
+    go_down(visit, walk);
+  }
+  return walk.choice();
+}
+
+/// Fetches what the walk's next visit reads.
+HWY_INLINE void foresee(const LightTree& tree, const Walk& walk) {
+  if (walk.has_ended(tree)) return;
+  const NodeBlock& block = tree.blocks()[step_below(walk.node, tree.first_leaf()).block];
+  const auto fetch = [](const NodeBlock::Row& row) { hwy::Prefetch(&row[0]); };
+  for (const auto* row : {&block.centre_x, &block.centre_y, &block.centre_z, &block.half_x,
+                          &block.half_y, &block.half_z, &block.intensity}) {
+    fetch(*row);
+  }
+  if (tree.oriented() == Oriented::No) return;
+  for (const auto* row :
+       {&block.axis_x, &block.axis_y, &block.axis_z, &block.half_sine, &block.cos_emission}) {
+    fetch(*row);
+  }
+}
+
+/// Walks on their way at a time. A visit waits for its walk's visit before, never for another's;
+/// all are weighed before any is drawn, since a draw is a chain of short steps that would keep the
+/// next one's arithmetic out of the processor's sight.
+constexpr std::size_t kTogether = 8;
+
+HWY_ATTR void choose_leaves(const LightTree& tree, WeightRule rule,
+                            std::span<const Descent> descents, std::span<LeafChoice> choices) {
+  Walk walks[kTogether];
+  Visit visits[kTogether];
+  std::size_t begun = 0, going = 0;
+  // Begins the next descent that has a way to go; false: there is none.
+  const auto begin = [&](Walk& walk) {
+    while (begun < descents.size()) {
+      walk = Walk(descents[begun], begun);
+      ++begun;
+      if (!walk.has_ended(tree)) {
+        foresee(tree, walk);
+        return true;
+      }
+      choices[walk.descent] = walk.choice();
+    }
+    return false;
+  };
+  while (going < kTogether && begin(walks[going])) ++going;
+  while (going > 0) {
+    for (std::size_t k = 0; k < going; ++k) weigh_below(tree, rule, walks[k], visits[k]);
+    for (std::size_t k = 0; k < going; ++k) {
+      go_down(visits[k], walks[k]);
+      foresee(tree, walks[k]);
+    }
+    for (std::size_t k = 0; k < going;) {
+      Walk& walk = walks[k];
+      if (walk.has_ended(tree)) {
+        choices[walk.descent] = walk.choice();
+        if (!begin(walk)) {
+          walk = walks[--going];
+          continue;
+        }
+      }
+      ++k;
+    }
+  }
 }
 
 HWY_ATTR double leaf_probability(const LightTree& tree, const Receiver& receiver, WeightRule rule,
@@ -400,6 +497,7 @@ HWY_AFTER_NAMESPACE();
 namespace macula::lights {
 
 HWY_EXPORT(choose_leaf);
+HWY_EXPORT(choose_leaves);
 HWY_EXPORT(leaf_probability);
 HWY_EXPORT(view_of);
 HWY_EXPORT(cut_tree);
@@ -412,7 +510,7 @@ void LightWalk::cut(std::size_t most_nodes, LightCut& cut) const {
 }
 
 LeafChoice LightWalk::choose(NodeId node, double u) const {
-  return HWY_DYNAMIC_DISPATCH(choose_leaf)(tree_, receiver_, rule_, node, u);
+  return HWY_DYNAMIC_DISPATCH(choose_leaf)(tree_, rule_, {receiver_, node, u});
 }
 
 double LightWalk::probability(NodeId node, NodeId leaf) const {
@@ -421,6 +519,12 @@ double LightWalk::probability(NodeId node, NodeId leaf) const {
 
 NodeView LightWalk::view(NodeId node) const {
   return HWY_DYNAMIC_DISPATCH(view_of)(tree_, receiver_, node);
+}
+
+void choose_each(const LightTree& tree, WeightRule rule, std::span<const Descent> descents,
+                 std::span<LeafChoice> choices) {
+  MACULA_DCHECK(choices.size() >= descents.size());
+  HWY_DYNAMIC_DISPATCH(choose_leaves)(tree, rule, descents, choices);
 }
 
 }  // namespace macula::lights

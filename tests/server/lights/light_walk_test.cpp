@@ -4,6 +4,7 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include "tests/server/lights/tree_oracle.h"
 
@@ -189,6 +190,55 @@ TEST(LightWalk, TheEndsOfTheUnitIntervalAreLeavesToo) {
       }
     }
   }
+}
+
+// ---- many walks at once ----
+
+/// From nodes of any level, leaves too; every seventh receiver, under the lights and facing down,
+/// is reached by none.
+std::vector<Descent> random_descents(const LightTree& tree, std::size_t count, Random& random) {
+  std::vector<Descent> descents;
+  for (std::size_t i = 0; i < count; ++i) {
+    Receiver receiver = random_receiver(random);
+    if (i % 7 == 3) receiver = {{0.0F, -5.0F, 0.0F}, {0.0F, -1.0F, 0.0F}};
+    const NodeId leaf = tree.first_leaf() + static_cast<NodeId>(random.next() * 900.0);
+    descents.push_back({receiver, leaf >> static_cast<int>(random.next() * 11.0), random.next()});
+  }
+  return descents;
+}
+
+TEST(LightWalk, WalksMadeTogetherEndWhereEachEndsAlone) {
+  int found = 0, dark = 0, sets = 0;
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+    hwy::SetSupportedTargetsForTest(rest & -rest);
+    ++sets;
+    Random random(20);
+    for (const Kind kind : {Kind::Points, Kind::Mixed}) {
+      const LightTree tree(random_lights(900, kind, 21));
+      for (const WeightRule rule : kRules) {
+        for (const std::size_t count : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 15, 16, 17, 300}) {
+          const auto descents = random_descents(tree, count, random);
+          std::vector<LeafChoice> choices(count);
+          choose_each(tree, rule, descents, choices);
+          for (std::size_t i = 0; i < count; ++i) {
+            const Descent& descent = descents[i];
+            const LeafChoice alone =
+                LightWalk(tree, descent.receiver, rule).choose(descent.node, descent.u);
+            ASSERT_EQ(choices[i].leaf, alone.leaf) << i << " of " << count;
+            ASSERT_EQ(choices[i].probability, alone.probability);
+            if (choices[i].leaf != 0) {
+              ++found;
+            } else {
+              ++dark;
+            }
+          }
+        }
+      }
+    }
+    hwy::SetSupportedTargetsForTest(0);
+  }
+  EXPECT_GT(found, 500 * sets);
+  EXPECT_GT(dark, 100 * sets);
 }
 
 // ---- the cut ----
