@@ -65,12 +65,6 @@ foveation::Display display_of(const scene::Camera& camera, int width_px, int hei
           width_px, height_px};
 }
 
-DVec3 mean(const image::Plane<Rgb>& picture) {
-  DVec3 sum{0.0};
-  for (const Rgb& value : picture.pixels()) sum += DVec3(value);
-  return sum / static_cast<double>(picture.size());
-}
-
 Blocks blocks_of(const image::Plane<Rgb>& picture) {
   Blocks means{};
   const int width = picture.width() / 8, height = picture.height() / 8;
@@ -101,7 +95,7 @@ double block_deviation(const Blocks& a, const Blocks& b) {
 struct Halves {
   image::Plane<Rgb> first, second;
 
-  DVec3 mean() const { return 0.5 * (macula::mean(first) + macula::mean(second)); }
+  DVec3 mean() const { return 0.5 * (test::mean(first) + test::mean(second)); }
   Blocks blocks() const {
     Blocks sum = blocks_of(first);
     const Blocks other = blocks_of(second);

@@ -44,12 +44,6 @@ double rms_outside(const Plane<std::uint8_t>& marked, const Plane<Rgb>& a, const
   return std::sqrt(sum / count);
 }
 
-DVec3 mean(const Plane<Rgb>& picture) {
-  DVec3 sum{0.0};
-  for (const Rgb& value : picture.pixels()) sum += DVec3(value);
-  return sum / static_cast<double>(picture.size());
-}
-
 /// The picture of a box filter `factor` times as wide.
 Plane<Rgb> reduced(const Plane<Rgb>& picture, int factor) {
   Plane<Rgb> small(picture.width() / factor, picture.height() / factor);
@@ -132,7 +126,7 @@ void expect_agreement(const kernels::SceneFrame& scene, const kernels::View& vie
     for (std::size_t k = 0; k < middle.size(); ++k)
       middle.pixels()[k] += pictures.back().pixels()[k] / static_cast<float>(kPictures);
   }
-  const DVec3 wanted = mean(reference.cells), got = mean(middle);
+  const DVec3 wanted = test::mean(reference.cells), got = test::mean(middle);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c] / wanted[c], 1.0, 0.02) << effort.kernel;
   const auto rms_to = [&](const Plane<Rgb>& other, double gain) {
     double sum = 0.0;

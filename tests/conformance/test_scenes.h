@@ -115,6 +115,12 @@ inline kernels::View view_on(const PixelGrid& grid) {
   return view;
 }
 
+inline DVec3 mean(const image::Plane<Rgb>& picture) {
+  DVec3 sum{0.0};
+  for (const Rgb& value : picture.pixels()) sum += DVec3(value);
+  return sum / static_cast<double>(picture.size());
+}
+
 struct Render {
   kernels::FrameBuffers buffers;
   kernels::FrameReport report;

@@ -19,8 +19,7 @@ using image::Plane;
 enum class PerceptionMode {
   /// Eq. 6 to 8 with what keeps them numbers: M - alpha clamped to [1e-3, 1 - 1e-3], the widest
   /// Gaussian where M <= alpha, M itself in a frame where all Gaussians are equally wide. Depends
-  /// on
-  /// the whole frame and gives flat regions more than edges: for comparison only.
+  /// on the whole frame and gives flat regions more than edges: for comparison only.
   Printed,
   Difference,   ///< (M - alpha) / (1 - alpha)
   Attenuation,  ///< Eq. 4 read as the text means it: the widest Gaussian that takes alpha off M

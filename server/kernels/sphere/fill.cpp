@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "server/kernels/sphere/cubic.h"
+
 namespace macula::kernels::sphere {
 namespace {
 
@@ -13,8 +15,7 @@ namespace {
 struct Between {
   int low = 0, high = 0, nearest = 0;
   float share = 0.0F;  ///< of `high`
-  /// The same with one more on each side, by a cubic that has the slopes between neighbours at its
-  /// ends (Catmull and Rom 1974); what is affine stays so on unequal steps and at the border.
+  /// The same with one more on each side, by the cubic; at the border the last one stands twice.
   std::array<int, 4> taps{};
   std::array<float, 4> weights{};
 };
@@ -23,16 +24,13 @@ struct Between {
 template <class Centre>
 void set_cubic(Between& at, int last, Centre centre) {
   at.taps = {std::max(at.low - 1, 0), at.low, at.high, std::min(at.high + 1, last)};
-  const float s = at.share, gap = centre(at.high) - centre(at.low);
+  const float gap = centre(at.high) - centre(at.low);
   if (!(gap > 0.0F)) {
     at.weights = {0.0F, 1.0F, 0.0F, 0.0F};
     return;
   }
-  const float from_low = s * (1.0F - s) * (1.0F - s), from_high = s * s * (s - 1.0F);
-  const float high = s * s * (3.0F - 2.0F * s);
-  const float slope_low = from_low * gap / (centre(at.high) - centre(at.taps[0]));
-  const float slope_high = from_high * gap / (centre(at.taps[3]) - centre(at.low));
-  at.weights = {-slope_low, 1.0F - high - slope_high, high + slope_low, slope_high};
+  at.weights = cubic_weights(at.share, gap, centre(at.high) - centre(at.taps[0]),
+                             centre(at.taps[3]) - centre(at.low));
 }
 
 std::vector<Between> places_on_axis(const std::vector<float>& edges,
@@ -96,10 +94,8 @@ class Filler {
     Rgb sum{0.0F};
     for (std::size_t i = 0; i < x.taps.size(); ++i) sum += x.weights[i] * across[x.taps[i]];
     const Plane<Rgb>& plane = mid_.radiance;
-    const Rgb a = plane(x.low, y.low), b = plane(x.high, y.low);
-    const Rgb c = plane(x.low, y.high), d = plane(x.high, y.high);
-    return glm::clamp(sum, glm::min(glm::min(a, b), glm::min(c, d)),
-                      glm::max(glm::max(a, b), glm::max(c, d)));
+    return held_within(sum, plane(x.low, y.low), plane(x.high, y.low), plane(x.low, y.high),
+                       plane(x.high, y.high));
   }
   template <class T>
   static T between(const Plane<T>& plane, const Between& x, const Between& y) {

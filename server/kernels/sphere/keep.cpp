@@ -1,11 +1,11 @@
 #include "server/kernels/sphere/keep.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "server/kernels/sphere/cubic.h"
 #include "server/reconstruction/backward_warp.h"
 
 namespace macula::kernels::sphere {
@@ -41,28 +41,19 @@ T bilinear(const Plane<T>& plane, const Span& x, const Span& y) {
   return (1.0F - y.share) * above + y.share * below;
 }
 
-/// Weights of the samples before `low`, at it, at `high` and after it, by the cubic of Catmull and
-/// Rom (1974).
-std::array<float, 4> cubic_weights(float s) {
-  const float from_low = 0.5F * s * (1.0F - s) * (1.0F - s), from_high = 0.5F * s * s * (s - 1.0F);
-  const float high = s * s * (3.0F - 2.0F * s);
-  return {-from_low, 1.0F - high - from_high, high + from_low, from_high};
-}
-
 /// Between samples by the cubic, and no more than the four around: what is kept for some frames is
 /// looked up as often, and lines between would blur it each time.
 Rgb sharp(const Plane<Rgb>& plane, const Span& x, const Span& y) {
-  const auto wx = cubic_weights(x.share), wy = cubic_weights(y.share);
+  const auto wx = cubic_weights(x.share, 1.0F, 2.0F, 2.0F);
+  const auto wy = cubic_weights(y.share, 1.0F, 2.0F, 2.0F);
   Rgb sum{0.0F};
   for (int j = 0; j < 4; ++j) {
     const int row = std::clamp(y.low + j - 1, 0, plane.height() - 1);
     for (int i = 0; i < 4; ++i)
       sum += wx[i] * wy[j] * plane(std::clamp(x.low + i - 1, 0, plane.width() - 1), row);
   }
-  const Rgb a = plane(x.low, y.low), b = plane(x.high, y.low);
-  const Rgb c = plane(x.low, y.high), d = plane(x.high, y.high);
-  return glm::clamp(sum, glm::min(glm::min(a, b), glm::min(c, d)),
-                    glm::max(glm::max(a, b), glm::max(c, d)));
+  return held_within(sum, plane(x.low, y.low), plane(x.high, y.low), plane(x.low, y.high),
+                     plane(x.high, y.high));
 }
 
 class Keeper {
