@@ -76,6 +76,19 @@ Plane<float> gaussian_mean(const Plane<float>& plane, float sigma_px) {
   });
 }
 
+Plane<float> median_of_25(const Plane<float>& plane) {
+  return made(plane.width(), plane.height(),
+              [&](cv::Mat& out) { cv::medianBlur(view_of(plane), out, 5); });
+}
+
+Plane<float> bilateral_mean(const Plane<float>& plane, float sigma_px, float sigma_value) {
+  MACULA_CHECK(sigma_px > 0.0F && sigma_value > 0.0F);
+  return made(plane.width(), plane.height(), [&](cv::Mat& out) {
+    cv::bilateralFilter(view_of(plane), out, 9, static_cast<double>(sigma_value),
+                        static_cast<double>(sigma_px), cv::BORDER_REFLECT_101);
+  });
+}
+
 LaplacianLevels laplacian_levels(const Plane<float>& plane) {
   if (plane.empty()) return {};
   const cv::Mat full = view_of(plane);

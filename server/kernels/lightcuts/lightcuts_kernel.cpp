@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "server/kernels/planes.h"
@@ -48,10 +49,12 @@ std::vector<View> thinned(std::span<const View> views, int n) {
   return low;
 }
 
-Plane<float> luminance_of(const Plane<Rgb>& radiance) {
+/// As it is shown: contrast is told against a least luminance of the display's.
+Plane<float> shown_luminance(const Plane<Rgb>& radiance, const image::Tone& tone) {
   Plane<float> luminance(radiance.width(), radiance.height());
+  const float gain = std::exp2(tone.exposure_ev);
   std::ranges::transform(radiance.pixels(), luminance.pixels().begin(),
-                         [](const Rgb& c) { return image::luminance(c); });
+                         [gain](const Rgb& c) { return gain * image::luminance(c); });
   return luminance;
 }
 
@@ -92,7 +95,7 @@ std::vector<Plane<float>> low_luminance(const FrameRequest& request, const Scene
                          math::hash_combine(request.seed, kLowResolutionSeed)};
   const FrameBuffers made = traced(low, scene, low_resolution(config), 0, scheduler, report);
   for (std::size_t v = 0; v < views.size(); ++v) {
-    luminance[v] = luminance_of(made.views[v].radiance);
+    luminance[v] = shown_luminance(made.views[v].radiance, views[v].tone);
   }
   return luminance;
 }

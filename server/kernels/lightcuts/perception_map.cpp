@@ -9,10 +9,10 @@
 namespace macula::kernels::lightcuts {
 namespace {
 
-// Sobel of the greatest step between neighbours: a normal that turns by 90 degrees changes by 1 in
-// two channels, albedo by 1; half of that already counts as an edge.
-constexpr float kNormalScale = 2.0F / 8.0F;
-constexpr float kAlbedoScale = 2.0F / 4.0F;
+// A full edge is the greatest step between neighbours: albedo changes by 1, a normal that turns
+// back by 2. Half of that for a full edge would spend most samples on textures outside the fovea.
+constexpr float kNormalScale = 1.0F / 8.0F;
+constexpr float kAlbedoScale = 1.0F / 4.0F;
 /// A change from rest to 30 degrees a second, where pursuit begins to fail, is a full edge.
 constexpr float kSpeedScale = 1.0F / (4.0F * 30.0F);
 /// Least local mean that contrast is told against (Eq. 3's epsilon), linear luminance.
@@ -54,9 +54,19 @@ void raise_at_edges(Plane<float>& feature, const Plane<T>& plane, float scale,
   raise(feature, filters::sobel_length(cleaned(plane, not_finite)), scale);
 }
 
+/// What a few dozen light samples a pixel leave of chance would pass for contrast, above all in the
+/// dark: lone outliers go first, then differences below kNoise stops.
+Plane<float> without_noise(Plane<float> luminance) {
+  constexpr float kNoise = 1.0F, kReach_px = 1.5F;
+  for (float& value : luminance.pixels()) value = std::log2(std::max(value, 0.0F) + kLeastMean);
+  luminance = filters::bilateral_mean(filters::median_of_25(luminance), kReach_px, kNoise);
+  for (float& value : luminance.pixels()) value = std::exp2(value) - kLeastMean;
+  return luminance;
+}
+
 /// Contrast: the finest band over the local mean.
 Plane<float> fine_contrast(const Plane<float>& luminance) {
-  auto [finest, residual] = filters::laplacian_levels(luminance);
+  auto [finest, residual] = filters::laplacian_levels(without_noise(luminance));
   for (std::size_t i = 0; i < finest.size(); ++i) {
     const float mean = std::max(residual.pixels()[i], 0.0F);
     finest.pixels()[i] = std::min(std::abs(finest.pixels()[i]) / (mean + kLeastMean), 1.0F);

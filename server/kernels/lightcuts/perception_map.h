@@ -29,7 +29,7 @@ enum class PerceptionMode {
 struct PerceptionConfig {
   PerceptionMode mode = PerceptionMode::Attenuation;
   float alpha = 0.05F;  ///< not NaN; <= 0: full rate wherever M > 0; >= 1: none
-  float gamma = 1.0F;   ///< > 0; Attenuation: 1.4 follows the paper's Table 4 more closely
+  float gamma = 1.4F;   ///< > 0; Attenuation: 1 is Eq. 4 alone, 1.4 follows the paper's Table 4
 };
 
 /// Planes of one view. What is not a finite number counts as 0. An empty plane is left out; all

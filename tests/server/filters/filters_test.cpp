@@ -51,6 +51,28 @@ TEST(Filters, TheMeanOfAPointIsTheGaussianItself) {
   EXPECT_NEAR(sum, 1.0, 1e-6);
 }
 
+TEST(Filters, TheMedianLosesSpecklesAndKeepsAStraightEdge) {
+  const auto plane = filled(16, 16, [](int x, int y) {
+    return x == 3 && y % 4 == 0 ? 100.0F : x < 8 ? 1.0F : 2.0F;
+  });
+  const auto median = median_of_25(plane);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 16; ++x) EXPECT_EQ(median(x, y), x < 8 ? 1.0F : 2.0F);
+  }
+}
+
+TEST(Filters, TheBilateralMeanSmoothsWithinAndStopsAtEdges) {
+  const auto plane = filled(20, 20, [](int x, int y) {
+    return (x < 10 ? 0.0F : 8.0F) + ((x + y) % 2 == 0 ? 0.1F : -0.1F);
+  });
+  const auto mean = bilateral_mean(plane, 1.5F, 1.0F);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 20; ++x) EXPECT_NEAR(mean(x, y), x < 10 ? 0.0F : 8.0F, 0.02F);
+  }
+  const auto flat = bilateral_mean(Plane<float>(6, 3, 4.0F), 1.5F, 1.0F);
+  for (const float value : flat.pixels()) EXPECT_EQ(value, 4.0F);
+}
+
 TEST(Filters, AFlatPlaneHasNoBandAndIsItsOwnResidual) {
   for (const int side : {1, 2, 5, 32}) {
     const auto levels = laplacian_levels(Plane<float>(side, side, 3.0F));

@@ -128,17 +128,39 @@ TEST(PerceptionMap, RaisingAFeatureNeverLowersAShareRaisingAlphaNeverRaisesIt) {
 /// The note's figures: full acuity at alpha 0.1 keeps 49 % of the samples; the width that is full
 /// rate belongs to alpha / M = 1 / 40.
 TEST(PerceptionMap, AttenuationIsTheWidestGaussianThatTakesAlphaAway) {
-  EXPECT_NEAR(share_of_samples(1.0F, {Attenuation, 0.1F}), 0.49F, 0.005F);
-  EXPECT_NEAR(share_of_samples(1.0F, {Attenuation, 0.025F}), 1.0F, 1e-5F);
+  EXPECT_NEAR(share_of_samples(1.0F, {Attenuation, 0.1F, 1.0F}), 0.49F, 0.005F);
+  EXPECT_NEAR(share_of_samples(1.0F, {Attenuation, 0.025F, 1.0F}), 1.0F, 1e-5F);
   EXPECT_EQ(share_of_samples(0.1F, {Attenuation, 0.1F}), 0.0F);
   EXPECT_EQ(share_of_samples(0.1F, {Attenuation, 0.0F}), 1.0F);
   for (const float alpha : {0.05F, 0.2F}) {
     for (const float m : {0.3F, 0.9F}) {
-      const float share = share_of_samples(m, {Attenuation, alpha});
+      const float share = share_of_samples(m, {Attenuation, alpha, 1.0F});
       const double rho = std::sqrt(-2.0 * std::log(0.975)) / static_cast<double>(share);
       EXPECT_NEAR(m - m * std::exp(-0.5 * rho * rho), alpha, 1e-5);
     }
   }
+}
+
+/// Speckles of a low-resolution picture in even light, and the edge of a shadow four times as dark.
+TEST(PerceptionMap, NoiseOfTheLowResolutionPictureIsNoContrastAShadowIs) {
+  Planes planes;
+  planes.luminance = Plane<float>(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto cell = static_cast<std::uint64_t>(y * kWidth + x);
+      const float noise = math::unit_float(math::hash_combine(5, cell));
+      const float speckle = math::unit_float(math::hash_combine(6, cell)) < 0.04F ? 8.0F : 1.0F;
+      planes.luminance(x, y) = (x < 20 ? 0.4F : 0.1F) * (0.7F + 0.6F * noise) * speckle;
+    }
+  }
+  const Plane<float> contrast = planes.map(Stengel).luminance;
+  float flat = 0.0F, edge = 0.0F;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 4; x < 14; ++x) flat += contrast(x, y) / (10.0F * kHeight);
+    edge += std::max(contrast(19, y), contrast(20, y)) / kHeight;
+  }
+  EXPECT_LT(flat, 0.06F);
+  EXPECT_GT(edge, 4.0F * flat);
 }
 
 /// Pixels that differ by more than rounding.
@@ -156,7 +178,7 @@ int changed(const Planes& one, const Planes& other, PerceptionMode mode, int mar
 
 TEST(PerceptionMap, OnePixelChangesItsNeighbourhoodAloneButNotInThePrintedForm) {
   const auto spoilt = [](Planes planes) {
-    planes.albedo(8, 8) = Rgb{0.9F, 0.1F, 0.9F};
+    planes.albedo(8, 8) = Rgb{1.0F};
     planes.normal(8, 8) = {0, 1, 0};
     return planes;
   };
@@ -167,6 +189,7 @@ TEST(PerceptionMap, OnePixelChangesItsNeighbourhoodAloneButNotInThePrintedForm) 
   }
   Planes plain;
   plain.acuity = before.acuity;
+  for (Rgb& each : plain.albedo.pixels()) each = Rgb{0.0F};
   EXPECT_GT(changed(plain, spoilt(plain), Printed, 4), 20) << "the printed form couples the frame";
 }
 
