@@ -55,7 +55,7 @@ class Tracer {
         options_.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene;
     Vertex vertex{surface, {}, Rgb{0.0F}};
     vertex.reflector = shading::Reflector(
-        scene_.materials().bsdf(surface.material, surface.uv, 0.0F, model),
+        scene_.materials().bsdf(surface, {}, model),
         shading::make_shading_frame(surface.geometric_normal, surface.shading_normal, to_eye));
     if (glm::dot(surface.geometric_normal, to_eye) > 0.0F) {
       vertex.emission = scene_.materials().emission(surface.material, surface.uv, 0.0F);
@@ -83,8 +83,7 @@ class Tracer {
   }
   bool open(const Vec3& origin, const Vec3& direction, float tfar) {
     ++shadow_rays;
-    return !scene_.triangles().occluded(
-        visibility::Ray{origin, direction, 0.0F, tfar, next_blend_rule()});
+    return !scene_.occluded(visibility::Ray{origin, direction, 0.0F, tfar, next_blend_rule()});
   }
 
   Rgb from_punctual(const Vertex& vertex) {
@@ -187,11 +186,12 @@ class Tracer {
     const float u0 = random.next(), u1 = random.next(), u2 = random.next();
     const auto scattered = vertex.reflector.sample({u0, u1, u2});
     if (!scattered) return Rgb{0.0F};
-    const auto hit = scene_.triangles().intersect(
-        visibility::Ray{leave(vertex), scattered->to_light, 0.0F, kInfinity, next_blend_rule()});
+    const Vec3 origin = leave(vertex);
+    const auto hit = scene_.intersect(
+        visibility::Ray{origin, scattered->to_light, 0.0F, kInfinity, next_blend_rule()});
     if (!hit) return Rgb{0.0F};
     const shading::Surface surface =
-        scene_.surfaces().at(hit->instance, hit->triangle, {hit->u, hit->v});
+        scene_.surface(*hit, DVec3(origin + hit->t * scattered->to_light));
     const Vertex next = this->vertex(surface, -scattered->to_light);
     return scattered->weight * reflected(next, bounces - 1, random);
   }
@@ -250,18 +250,18 @@ class RowRun {
   std::optional<visibility::Hit> trace(const Vec3& view_direction, visibility::BlendRule rule) {
     ++report_.primary_rays;
     const Vec3 direction(view_.world_from_view.transform_direction(DVec3(view_direction)));
-    return scene_.triangles().intersect(
+    return scene_.intersect(
         visibility::Ray{Vec3(view_.world_from_view.position), direction, 0.0F, kInfinity, rule});
   }
   Rgb beyond(const Vec3& view_direction) const {
     const DVec3 direction = view_.world_from_view.transform_direction(DVec3(view_direction));
     return scene_.beyond(Vec3(glm::normalize(direction)));
   }
-  Vertex vertex_of(const visibility::Hit& hit) {
+  Vertex vertex_of(const visibility::Hit& hit, const Vec3& view_direction) {
+    const DVec3 along = view_.world_from_view.transform_direction(DVec3(view_direction));
     const shading::Surface surface =
-        scene_.surfaces().at(hit.instance, hit.triangle, {hit.u, hit.v});
-    return tracer_.vertex(surface,
-                          Vec3(glm::normalize(view_.world_from_view.position - surface.position)));
+        scene_.surface(hit, view_.world_from_view.position + static_cast<double>(hit.t) * along);
+    return tracer_.vertex(surface, Vec3(-glm::normalize(along)));
   }
 
   Rgb radiance(int x, int y, std::uint64_t key, int s) {
@@ -271,7 +271,7 @@ class RowRun {
     const Vec3 direction = view_.grid.ray(x, y, at.x, at.y);
     const auto hit = trace(direction, tracer_.next_blend_rule());
     if (!hit) return beyond(direction);
-    const Vertex vertex = vertex_of(*hit);
+    const Vertex vertex = vertex_of(*hit, direction);
     return vertex.emission + tracer_.reflected(vertex, options_.bounces, random);
   }
   /// Independent and uniform, or the centres of a k x k pattern (other counts: along the diagonal).
@@ -290,18 +290,17 @@ class RowRun {
   /// The planes that cannot be averaged come from a ray of their own through the cell's centre,
   /// which meets blended surfaces that are there by half.
   void write_centre(int x, int y) {
-    const auto hit = trace(view_.grid.ray(x, y), visibility::blend_from(0.5F));
+    const Vec3 direction = view_.grid.ray(x, y);
+    const auto hit = trace(direction, visibility::blend_from(0.5F));
     out_.depth_m(x, y) = hit ? hit->t : kInfinity;
     if (wanted_ & kSurfaceId) out_.surface_id(x, y) = hit ? hit->instance + 1 : 0;
     if ((wanted_ & (kNormal | kAlbedo)) == 0) return;
-    const Vertex vertex = hit ? vertex_of(*hit) : Vertex{};
+    const Vertex vertex = hit ? vertex_of(*hit, direction) : Vertex{};
     if (wanted_ & kNormal) {
       out_.normal(x, y) = hit ? vertex.reflector.frame().shading : Vec3{0.0F};
     }
     if (wanted_ & kAlbedo) {
-      out_.albedo(x, y) =
-          hit ? scene_.materials().base_color(vertex.surface.material, vertex.surface.uv, 0.0F)
-              : Rgb{0.0F};
+      out_.albedo(x, y) = hit ? scene_.materials().base_color(vertex.surface) : Rgb{0.0F};
     }
   }
 
@@ -345,8 +344,7 @@ void BruteKernel::shade(std::span<const SurfacePoint> points, const SceneFrame& 
   scheduler.run(points.size(), [&](std::size_t i) {
     const SurfacePoint& point = points[i];
     Tracer tracer(scene, options_);
-    const Vertex vertex = tracer.vertex(
-        scene.surfaces().at(point.instance, point.triangle, point.barycentric), point.to_eye);
+    const Vertex vertex = tracer.vertex(scene.surface(point.hit(), point.position), point.to_eye);
     Rgb sum = vertex.emission;
     const float share = 1.0F / static_cast<float>(options_.samples_per_cell);
     for (int s = 0; s < options_.samples_per_cell; ++s) {

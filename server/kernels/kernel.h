@@ -82,6 +82,17 @@ struct SurfacePoint {
   /// Identity of its random numbers; sampling::SampleKey(seed, frame, PixelGrid::cell_key).value
   /// repeats those of the first sample of that cell.
   std::uint64_t key = 0;
+
+  /// As a ray would have met it; its gap is the one of points that sdf::Tracer finds.
+  visibility::Hit hit() const {
+    return {0.0F,
+            barycentric.x,
+            barycentric.y,
+            geometric_normal,
+            instance,
+            triangle,
+            FieldRays::gap_at(footprint_m)};
+  }
 };
 
 class Kernel {

@@ -17,11 +17,11 @@ constexpr int kMostBounces = 1;
 constexpr int kAnyCount = std::numeric_limits<int>::max();
 
 constexpr std::array kTable{
-    KernelEntry{"ray", SceneKind::Triangles, 0, kAnyCount,
+    KernelEntry{"ray", SceneKind::Either, 0, kAnyCount,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
                   return std::make_unique<ray::RayKernel>(ray::make_config(options));
                 }},
-    KernelEntry{"lightcuts", SceneKind::Triangles, 0, kAnyCount,
+    KernelEntry{"lightcuts", SceneKind::Either, 0, kAnyCount,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
                   return std::make_unique<lightcuts::LightcutsKernel>(
                       lightcuts::make_config(options));
@@ -30,7 +30,7 @@ constexpr std::array kTable{
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
                   return std::make_unique<sphere::SphereKernel>(sphere::make_config(options));
                 }},
-    KernelEntry{"brute", SceneKind::Triangles, kMostBounces, kAnyCount,
+    KernelEntry{"brute", SceneKind::Either, kMostBounces, kAnyCount,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
                   return std::make_unique<BruteKernel>(options);
                 }},
@@ -92,7 +92,7 @@ Result<void> check_scene(std::string_view kernel, const scene::Scene& scene) {
   std::string able;
   bool fits = true;
   for (const KernelEntry& entry : kTable) {
-    if (entry.requires_of_scene == kind) {
+    if (renders(entry, kind)) {
       able += (able.empty() ? "" : ", ") + std::string(entry.name);
     } else if (entry.name == kernel) {
       fits = false;

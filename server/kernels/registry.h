@@ -11,7 +11,8 @@
 
 namespace macula::kernels {
 
-enum class SceneKind { Triangles, Field };
+/// What a scene's surfaces are described by.
+enum class SceneKind { Triangles, Field, Either };
 
 struct KernelEntry {
   std::string_view name;
@@ -21,6 +22,9 @@ struct KernelEntry {
   std::unique_ptr<Kernel> (*make)(const KernelOptions& options);
 };
 std::span<const KernelEntry> kernel_table();
+constexpr bool renders(const KernelEntry& entry, SceneKind kind) {
+  return entry.requires_of_scene == SceneKind::Either || entry.requires_of_scene == kind;
+}
 /// "auto" is resolved by ScenePlan before this; an unknown name answers with the list of names, an
 /// option out of range (counts below 1, or below 0 for ambient_samples and bounces) with the range.
 Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
+#include "server/kernels/field_rays.h"
 #include "server/lights/environment_light.h"
 #include "server/lights/light_list.h"
 #include "server/lights/placed_lights.h"
@@ -34,6 +36,23 @@ class SceneFrame {
   const scene::ScenePlan& plan() const { return still_->plan; }
   const visibility::TriangleScene& triangles() const { return *triangles_; }
   const shading::SurfaceTable& surfaces() const { return surfaces_; }
+
+  /// What rays meet, whether the scene is made of triangles or of distances: as
+  /// visibility::TriangleScene and FieldRays say.
+  void intersect(const visibility::RayStream& rays, visibility::HitStream& hits,
+                 visibility::Coherence coherence) const;
+  void occluded(const visibility::RayStream& rays, visibility::OcclusionStream& result,
+                visibility::Coherence coherence) const;
+  std::optional<visibility::Hit> intersect(const visibility::Ray& ray) const;
+  bool occluded(const visibility::Ray& ray) const;
+  /// The surface where a ray has met it. `point`, on the ray, is read for distance fields only:
+  /// triangles interpolate more exactly.
+  shading::Surface surface(const visibility::Hit& hit, const DVec3& point) const;
+  /// As SurfaceTable's; 0 in distance fields.
+  float uv_per_meter(scene::Index instance, scene::Index triangle) const {
+    return field_rays_ ? 0.0F : surfaces_.uv_per_meter(instance, triangle);
+  }
+
   const shading::MaterialTable& materials() const { return still_->materials; }
   const lights::LightList& lights() const { return lights_; }
   /// Black where the plan leaves the environment out.
@@ -65,6 +84,7 @@ class SceneFrame {
   scene::ScenePose pose_;
   std::shared_ptr<const visibility::TriangleScene> triangles_;
   std::shared_ptr<visibility::TriangleScene> own_triangles_;  ///< the same where they move
+  std::unique_ptr<const FieldRays> field_rays_;               ///< none: no distance field
   shading::SurfaceTable surfaces_;
   lights::LightList lights_;
   lights::PlacedLights placed_lights_;

@@ -68,6 +68,13 @@ scene::MovingParts planned_relighting(const scene::Scene& scene, const ScenePlan
   return parts;
 }
 
+std::unique_ptr<const FieldRays> field_rays(const scene::Scene& scene, const ScenePlan& plan,
+                                            SceneTime time) {
+  if (scene.field == nullptr || !plan.has(Step::DistanceField)) return nullptr;
+  return std::make_unique<FieldRays>(*scene.field,
+                                     std::chrono::duration<double>(time.since_start).count());
+}
+
 bool forces_motion(const ScenePlan& plan) {
   return plan.use(Step::TopLevel) == StepUse::Forced || plan.use(Step::Refit) == StepUse::Forced;
 }
@@ -120,6 +127,7 @@ Result<void> SceneTimeline::build() {
   if (still_->plan.has(Step::LightTree)) {
     first->placed_lights_ = lights::PlacedLights(first->lights_);
   }
+  first->field_rays_ = field_rays(scene(), still_->plan, {});
   if (moves_) {
     pattern_ = std::move(first);
   } else {
@@ -162,6 +170,9 @@ Result<void> SceneTimeline::move(SceneFrame& frame, SceneTime time) {
   frame.lights_.move(scene(), relighting_, frame.pose_, still_->materials);
   if (still_->plan.has(Step::LightTree) && !relighting_.none()) {
     frame.placed_lights_.make(frame.lights_);
+  }
+  if (scene().field != nullptr && scene().field->moves()) {
+    frame.field_rays_ = field_rays(scene(), still_->plan, time);
   }
   if (frame.own_triangles_ == nullptr) return {};
   return moving_triangles_->move(*frame.own_triangles_, frame.pose_);

@@ -112,6 +112,23 @@ Rgb MaterialTable::base_color(scene::Index material, const PatternPoint& at) con
   return glm::mix(m.base_color, m.pattern->second_color, second_share(*m.pattern, at));
 }
 
+Rgb MaterialTable::base_color(const Surface& surface, const SampleFootprint& footprint) const {
+  if (!materials_[surface.material].material.pattern) {
+    return base_color(surface.material, surface.uv, footprint.uv);
+  }
+  const Vec3& normal = surface.geometric_normal;
+  const Vec3 box = covered_box(normal, footprint.to_eye, footprint.width_m);
+  return base_color(surface.material, PatternPoint{Vec3(surface.position), normal, box});
+}
+
+Bsdf MaterialTable::bsdf(const Surface& surface, const SampleFootprint& footprint,
+                         MaterialModel model) const {
+  if (!materials_[surface.material].material.pattern) {
+    return bsdf(surface.material, surface.uv, footprint.uv, model);
+  }
+  return bsdf(surface.material, base_color(surface, footprint), model);
+}
+
 Rgb MaterialTable::emission(scene::Index material, const Vec2& uv, float footprint_uv) const {
   const Entry& entry = materials_[material];
   if (!entry.material.emits()) return Rgb{0.0F};

@@ -9,6 +9,7 @@
 #include "server/scene/scene.h"
 #include "server/shading/bsdf.h"
 #include "server/shading/pattern.h"
+#include "server/shading/surface.h"
 #include "server/shading/texture.h"
 
 namespace macula::shading {
@@ -24,6 +25,13 @@ struct MaterialOptions {
   scene::StepUse specular_lobe = scene::StepUse::Used;
 };
 
+/// What one sample stands for where it meets a surface; all 0: the point itself.
+struct SampleFootprint {
+  float uv = 0.0F;       ///< side of its square of texture space
+  float width_m = 0.0F;  ///< across the line of sight
+  Vec3 to_eye{0.0F};     ///< unit, world; read where width_m > 0
+};
+
 class MaterialTable {
  public:
   /// Decodes every image once for each colour space that a material reads it in.
@@ -37,6 +45,9 @@ class MaterialTable {
   /// and its BSDF one of the colour that came of it.
   Rgb base_color(scene::Index material, const PatternPoint& at) const;
   Bsdf bsdf(scene::Index material, const Rgb& base_color, MaterialModel model) const;
+  /// Either, as the surface's material has it: by texture, or by pattern.
+  Rgb base_color(const Surface& surface, const SampleFootprint& footprint = {}) const;
+  Bsdf bsdf(const Surface& surface, const SampleFootprint& footprint, MaterialModel model) const;
   /// Radiance leaving the front face, W/(sr m^2).
   Rgb emission(scene::Index material, const Vec2& uv, float footprint_uv) const;
   /// What a point drawn on a lamp shines with: emission times what alpha leaves of the surface

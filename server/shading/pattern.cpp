@@ -92,4 +92,19 @@ float second_share(const scene::Pattern& pattern, const PatternPoint& point) {
   return 0.0F;
 }
 
+// With n the normal, t the direction of sight laid into the surface and b across both,
+// n n' + t t' + b b' = 1 gives b's parts.
+Vec3 covered_box(const Vec3& normal, const Vec3& to_eye, float width_m) {
+  constexpr float kLeastCosine = 1.0F / 64.0F;  // beyond it, blur would spread to the horizon
+  const float cosine = glm::dot(normal, to_eye);
+  const Vec3 laid = to_eye - cosine * normal;
+  const float length = glm::length(laid);
+  if (!(length > 0.0F)) return Vec3{width_m};
+  const Vec3 along = laid / length;
+  const float stretch = 1.0F / std::max(std::abs(cosine), kLeastCosine);
+  const Vec3 along_squared = along * along;
+  const Vec3 across_squared = glm::max(Vec3{1.0F} - normal * normal - along_squared, Vec3{0.0F});
+  return width_m * glm::sqrt(across_squared + stretch * stretch * along_squared);
+}
+
 }  // namespace macula::shading

@@ -24,4 +24,8 @@ struct PatternPoint {
 ///   Noise    smooth, with features of size_m
 float second_share(const scene::Pattern& pattern, const PatternPoint& point);
 
+/// The box around what a sample of a given width across the line of sight covers on a surface seen
+/// at a slant: longer by 1 / cosine along it, up to 64 times. `normal`, `to_eye`: unit. Meters.
+Vec3 covered_box(const Vec3& normal, const Vec3& to_eye, float width_m);
+
 }  // namespace macula::shading

@@ -232,7 +232,7 @@ std::optional<Hit> TriangleScene::intersect(const Ray& ray) const {
   rays.push(ray.origin, ray.direction, ray.tnear, ray.tfar, ray.blend);
   intersect_stream<1>(rays, *state_, Coherence::Incoherent, hits);
   if (!hits.hit(0)) return std::nullopt;
-  return Hit{hits.t[0], hits.u[0], hits.v[0], hits.normal(0), hits.instance[0], hits.triangle[0]};
+  return Hit{hits.t[0], hits.u[0], hits.v[0], hits.normal(0), hits.instance[0], hits.triangle[0], 0.0F};
 }
 
 bool TriangleScene::occluded(const Ray& ray) const {

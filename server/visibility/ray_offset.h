@@ -11,6 +11,11 @@
 
 namespace macula::visibility {
 
+/// Units in the last place of the span that an offset covers: of rays from squares about the
+/// world's origin none meets its square from 1 on (tests hold it); transforms and thin triangles
+/// take their share.
+inline constexpr float kSpanUlps = 4.0F;
+
 /// `normal`: unit geometric normal on the side the ray leaves to. `travelled_m`: length of the ray
 /// that found `point` when the point was computed as origin + t direction; 0 when it was
 /// interpolated from the triangle's vertices, whose error does not grow with distance. `span_m`:
@@ -22,15 +27,17 @@ inline Vec3 offset_ray_origin(const Vec3& point, const Vec3& normal, float trave
   // 16 units in the last place of the largest coordinate: 3 for the interpolation of the point, 1
   // for this addition, the rest for the transforms of instances and the intersector's own rounding.
   constexpr float kUlps = 16.0F;
-  // Of the span 4: of rays from squares about the world's origin none meets its square from 1 on
-  // (tests hold it); transforms and thin triangles take their share.
-  constexpr float kSpanUlps = 4.0F;
   const float largest =
       std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z), travelled_m});
   const float offset =
       std::numeric_limits<float>::epsilon() *
       std::max({kUlps * largest, kSpanUlps * span_m, std::numeric_limits<float>::min()});
   return point + offset * normal;
+}
+
+/// The span whose offset is `gap_m`, for surfaces that are known to such a distance only.
+inline float span_of_gap(float gap_m) {
+  return gap_m / (kSpanUlps * std::numeric_limits<float>::epsilon());
 }
 
 }  // namespace macula::visibility

@@ -53,6 +53,15 @@ struct alignas(64) RayStream {
   Vec3 direction(int i) const { return {dx[i], dy[i], dz[i]}; }
 };
 
+/// The closest hit of one ray; see HitStream.
+struct Hit {
+  float t = 0.0F, u = 0.0F, v = 0.0F;
+  Vec3 normal{0.0F};
+  std::uint32_t instance = 0, triangle = 0;
+  /// How far off its surface a ray from a point of a distance field starts, meters.
+  float gap = 0.0F;
+};
+
 /// The closest hit of every ray. Both sides of a triangle are hit; the point is
 /// (1 - u - v) p0 + u p1 + v p2, more exact near the surface than origin + t direction.
 struct alignas(64) HitStream {
@@ -63,9 +72,12 @@ struct alignas(64) HitStream {
   float nx[kStreamCapacity], ny[kStreamCapacity], nz[kStreamCapacity];
   std::uint32_t instance[kStreamCapacity];  ///< index into Scene::instances; kNothing: no hit
   std::uint32_t triangle[kStreamCapacity];  ///< index into Mesh::triangles
+  float gap[kStreamCapacity];               ///< as Hit::gap; written for distance fields only
 
   bool hit(int i) const { return instance[i] != kNothing; }
   Vec3 normal(int i) const { return {nx[i], ny[i], nz[i]}; }
+  /// Of a ray that hit.
+  Hit at(int i) const { return {t[i], u[i], v[i], normal(i), instance[i], triangle[i], gap[i]}; }
 };
 
 /// 1 where something lies at t in (tnear, tfar], else 0.

@@ -51,13 +51,6 @@ struct Ray {
   BlendRule blend = blend_from(0.5F);
 };
 
-/// As HitStream, for one ray.
-struct Hit {
-  float t = 0.0F, u = 0.0F, v = 0.0F;
-  Vec3 normal{0.0F};
-  std::uint32_t instance = 0, triangle = 0;
-};
-
 struct SceneState;  // what Embree holds; internal
 
 class TriangleScene {

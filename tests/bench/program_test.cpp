@@ -308,12 +308,6 @@ TEST_F(Program, MethodsOfLightcutsAreHeldToEqualCutsAndTheEyeGetsMostWhereItLook
   EXPECT_TRUE(fs::exists(path("maps") + "/map_attenuation.png"));
 }
 
-TEST_F(Program, LightcutsTakesNoDistanceField) {
-  const Finished run = bench({"lightcuts", "--scene", "primitives", "--quick"});
-  EXPECT_EQ(run.status, 2);
-  EXPECT_NE(run.err.find("does not render distance fields"), std::string::npos) << run.err;
-}
-
 TEST_F(Program, AMomentOfEveryKindOfMotionCostsLessThanBuildingAnew) {
   const Finished run = bench({"motion", "--quick"});
   ASSERT_EQ(run.status, 0) << run.err;

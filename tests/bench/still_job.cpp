@@ -150,8 +150,8 @@ Result<StillJob> prepare_still(const StillOptions& options) {
   const scene::SceneFacts facts = scene::facts_of(**loaded);
   job.kernel = choose_kernel(options, facts);
   if (auto ok = kernels::check_scene(job.kernel, **loaded); !ok) return forward(ok);
-  if ((*loaded)->field == nullptr && std::ranges::count(options.planes, StillPlane::Steps) > 0) {
-    return bad_input("'steps' is made by kernels that march distance fields only", "--aov");
+  if (job.kernel != "sphere" && std::ranges::count(options.planes, StillPlane::Steps) > 0) {
+    return bad_input("'steps' is made by kernel sphere only", "--aov");
   }
   auto frame =
       kernels::SceneFrame::create(*loaded, scene::ScenePlan(facts, {.kernel = job.kernel}), time);

@@ -388,7 +388,7 @@ TEST_P(KernelConformance, ShadingAPointOfAFurnaceShowsItsAlbedo) {
 std::vector<std::string_view> names() {
   std::vector<std::string_view> list;
   for (const auto& entry : kernels::kernel_table())
-    if (entry.requires_of_scene == kernels::SceneKind::Triangles) list.push_back(entry.name);
+    if (kernels::renders(entry, kernels::SceneKind::Triangles)) list.push_back(entry.name);
   return list;
 }
 INSTANTIATE_TEST_SUITE_P(EveryKernel, KernelConformance, testing::ValuesIn(names()),

@@ -152,7 +152,7 @@ TEST(Environment, OneThreadAndManyGiveTheSameBitsInEveryKernel) {
   const auto view = test::view_on(foveation::make_uniform_grid(test::display(40)));
   kernels::TileScheduler one(1), many(4);
   for (const kernels::KernelEntry& kernel : kernels::kernel_table()) {
-    if (kernel.requires_of_scene != kernels::SceneKind::Triangles) continue;
+    if (!kernels::renders(kernel, kernels::SceneKind::Triangles)) continue;
     const std::string name(kernel.name);
     const auto a = test::render(name, exact(2, 2), *scene, view, one);
     const auto b = test::render(name, exact(2, 2), *scene, view, many);

@@ -266,7 +266,7 @@ void Pass::resolve(Coherence coherence, Term term, std::size_t round) {
   rays_.count = static_cast<int>(n_);
   if (scene_.triangles().blends()) draw_blending(term, round);
   const auto begin = std::chrono::steady_clock::now();
-  scene_.triangles().occluded(rays_, hidden_, coherence);
+  scene_.occluded(rays_, hidden_, coherence);
   work_.trace_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
   work_.shadow_rays += traced;
   for (std::size_t i = 0; i < n_; ++i) {

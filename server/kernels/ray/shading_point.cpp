@@ -15,15 +15,15 @@ ShadedPoint shade_point(const ShadingRequest& request, const SceneFrame& scene,
                         const Config& config) {
   const shading::Surface& surface = request.surface;
   const auto& materials = scene.materials();
-  const float footprint_uv = request.footprint_uv();
+  const shading::SampleFootprint footprint = request.footprint();
   ShadedPoint shaded;
   if (glm::dot(surface.geometric_normal, request.to_eye) > 0.0F) {
-    shaded.emission = materials.emission(surface.material, surface.uv, footprint_uv);
+    shaded.emission = materials.emission(surface.material, surface.uv, footprint.uv);
   }
-  shaded.reflector = shading::Reflector(
-      materials.bsdf(surface.material, surface.uv, footprint_uv, config.materials),
-      shading::make_shading_frame(surface.geometric_normal, surface.shading_normal,
-                                  request.to_eye));
+  shaded.reflector =
+      shading::Reflector(materials.bsdf(surface, footprint, config.materials),
+                         shading::make_shading_frame(surface.geometric_normal,
+                                                     surface.shading_normal, request.to_eye));
   return shaded;
 }
 
@@ -34,10 +34,10 @@ void shade_batch(std::span<const SurfacePoint> points, const SceneFrame& scene,
   for (std::size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& point = points[i];
     ShadingRequest request;
-    request.surface = scene.surfaces().at(point.instance, point.triangle, point.barycentric);
+    request.surface = scene.surface(point.hit(), point.position);
     request.to_eye = point.to_eye;
     if (config.mode == Mode::Fast) {
-      request.uv_per_meter = scene.surfaces().uv_per_meter(point.instance, point.triangle);
+      request.uv_per_meter = scene.uv_per_meter(point.instance, point.triangle);
       request.footprint_m = point.footprint_m;
     }
     const ShadedPoint shaded = shade_point(request, scene, config);

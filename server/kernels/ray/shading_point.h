@@ -18,6 +18,7 @@ struct ShadingRequest {
   /// along one axis only; the square root shares that between blur and aliasing. Slants beyond 1 :
   /// 16 no longer widen it.
   float footprint_uv() const;
+  shading::SampleFootprint footprint() const { return {footprint_uv(), footprint_m, to_eye}; }
 };
 
 struct ShadedPoint {

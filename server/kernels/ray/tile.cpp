@@ -83,7 +83,7 @@ class TileRun {
       rays_.push(context_.eye, context_.world_from_view * direction, 0.0F, kInfinity,
                  blend_rule(cells_[i].key, s));
     }
-    context_.scene.triangles().intersect(rays_, hits_, visibility::Coherence::Coherent);
+    context_.scene.intersect(rays_, hits_, visibility::Coherence::Coherent);
     report_.primary_rays += count_;
     report_.trace_ms += ms_since(begin);
   }
@@ -117,8 +117,9 @@ class TileRun {
 
   void add_lit_point(std::size_t i, bool guide) {
     const auto ray = static_cast<int>(i);
-    const shading::Surface surface = context_.scene.surfaces().at(
-        hits_.instance[i], hits_.triangle[i], {hits_.u[i], hits_.v[i]});
+    const shading::Surface surface =
+        context_.scene.surface(hits_.at(ray), context_.view.world_from_view.position +
+                                                  DVec3(hits_.t[i] * rays_.direction(ray)));
     const Vec3 direction = glm::normalize(rays_.direction(ray));
     const ShadingRequest request{surface, -direction, uv_per_meter(i), footprint_m(i)};
     ShadedPoint shaded = shade_point(request, context_.scene, context_.config);
@@ -133,7 +134,7 @@ class TileRun {
 
   float uv_per_meter(std::size_t i) const {
     if (context_.config.mode == Mode::Exact) return 0.0F;
-    return context_.scene.surfaces().uv_per_meter(hits_.instance[i], hits_.triangle[i]);
+    return context_.scene.uv_per_meter(hits_.instance[i], hits_.triangle[i]);
   }
   /// Side of the square a sample stands for, across its ray: a tangent area A at depth z covers the
   /// solid angle A cos^3 and, at distance z / cos, the area A z^2 cos.
@@ -221,8 +222,8 @@ class TileRun {
     if (context_.wanted & kSurfaceId) out_.surface_id(cell.x, cell.y) = hits_.instance[i] + 1;
     if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = frame.shading;
     if (context_.wanted & kAlbedo) {
-      out_.albedo(cell.x, cell.y) = context_.scene.materials().base_color(
-          request.surface.material, request.surface.uv, request.footprint_uv());
+      out_.albedo(cell.x, cell.y) =
+          context_.scene.materials().base_color(request.surface, request.footprint());
     }
   }
   /// View depth where the plane of the surface that the guide hit meets the ray through the cell's

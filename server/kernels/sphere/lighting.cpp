@@ -31,22 +31,6 @@ void set_matte(shading::ReflectorBatch& reflectors, std::size_t i, const Rgb& al
   reflectors.alpha.at[i] = 0.0F;
 }
 
-/// The box around what a sample of a given width covers on a surface seen at a slant: `width`
-/// across the line of sight, and longer by 1 / cosine along it. With n the normal, t the direction
-/// of sight laid into the surface and b across both, n n' + t t' + b b' = 1 gives b's parts.
-Vec3 covered_box(const Vec3& normal, const Vec3& to_eye, float width) {
-  constexpr float kLeastCosine = 1.0F / 64.0F;  // beyond it, blur would spread to the horizon
-  const float cosine = glm::dot(normal, to_eye);
-  const Vec3 laid = to_eye - cosine * normal;
-  const float length = glm::length(laid);
-  if (!(length > 0.0F)) return Vec3{width};
-  const Vec3 along = laid / length;
-  const float stretch = 1.0F / std::max(std::abs(cosine), kLeastCosine);
-  const Vec3 along_squared = along * along;
-  const Vec3 across_squared = glm::max(Vec3{1.0F} - normal * normal - along_squared, Vec3{0.0F});
-  return width * glm::sqrt(across_squared + stretch * stretch * along_squared);
-}
-
 }  // namespace
 
 Lighting::Lighting(const SceneFrame& scene, const Config& config, const DVec3& eye)
@@ -61,7 +45,7 @@ void Lighting::base_colors(const SurfaceBatch& points, std::span<Rgb> out) const
   MACULA_DCHECK(out.size() == points.count);
   for (std::size_t i = 0; i < points.count; ++i) {
     const Vec3 normal = points.normal[i];
-    const Vec3 box = covered_box(normal, points.to_eye[i], points.footprint_m.at[i]);
+    const Vec3 box = shading::covered_box(normal, points.to_eye[i], points.footprint_m.at[i]);
     out[i] =
         scene_.materials().base_color(points.material[i], {eye_ + points.position[i], normal, box});
   }

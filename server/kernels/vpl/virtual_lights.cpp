@@ -88,7 +88,7 @@ class StreamRun {
   /// Fills slots [first, first + out.size()); a light without flux where there is none.
   void run(std::size_t first, std::span<VirtualPointLight> out) {
     for (std::size_t i = 0; i < out.size(); ++i) send(first + i);
-    scene_.triangles().intersect(rays_, hits_, visibility::Coherence::Incoherent);
+    scene_.intersect(rays_, hits_, visibility::Coherence::Incoherent);
     for (std::size_t i = 0; i < out.size(); ++i) {
       if (hits_.hit(static_cast<int>(i))) out[i] = reflect(static_cast<int>(i));
     }
@@ -121,7 +121,7 @@ class StreamRun {
 
   VirtualPointLight reflect(int i) const {
     const shading::Surface surface =
-        scene_.surfaces().at(hits_.instance[i], hits_.triangle[i], {hits_.u[i], hits_.v[i]});
+        scene_.surface(hits_.at(i), DVec3(rays_.origin(i) + hits_.t[i] * rays_.direction(i)));
     const Vec3 to_light = -rays_.direction(i);
     const auto towards = [](const Vec3& normal, const Vec3& side) {
       return glm::dot(normal, side) < 0.0F ? -normal : normal;
@@ -131,9 +131,8 @@ class StreamRun {
     const float cos_geometric = glm::dot(geometric, to_light);
     const float cos_shading = glm::dot(shading, to_light);
     if (!(cos_geometric > 0.0F && cos_shading > 0.0F)) return {};
-    const Rgb share = diffuse_reflectance(
-        scene_.materials().bsdf(surface.material, surface.uv, 0.0F, config_.model),
-        {geometric, shading, to_light});
+    const Rgb share = diffuse_reflectance(scene_.materials().bsdf(surface, {}, config_.model),
+                                          {geometric, shading, to_light});
     return {surface.position, geometric, surface.span_m,
             flux_[i] * share * (cos_shading / cos_geometric)};
   }
