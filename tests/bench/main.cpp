@@ -278,7 +278,10 @@ Run declare_light_tree(CLI::App& command) {
 }
 
 void add_sphere_axes(CLI::App& command, SphereOptions& options) {
-  command.add_option("--scenes", options.scenes, "Built-in distance fields or files of them")
+  command
+      .add_option("--scenes", options.scenes,
+                  "Built-in distance fields, files of them, or primitives-N: N primitives that\n"
+                  "cover about the same whatever N")
       ->delimiter(',')
       ->option_text("NAME|FILE,... (temple,columns,primitives)");
   command.add_option("--methods", options.methods, "What to measure")

@@ -2,11 +2,13 @@
 """Figures from the reports of macula-bench: plot.py REPORT.json FOLDER.
 
 sphere: figure_11.png (speed-up without foveation over samples a pixel), figure_12.png (time a frame
-over the fovea's radius) and table_1.txt (SSIM and FLIP at the fovea nearest 7.5 degrees).
+over the fovea's radius), primitives.png (time a frame over the number of primitives, from scenes
+primitives-N) and table_1.txt (SSIM and FLIP at the fovea nearest 7.5 degrees).
 Needs matplotlib (Debian: python3-matplotlib).
 """
 import json
 import pathlib
+import re
 import sys
 
 import matplotlib
@@ -61,6 +63,21 @@ def figure_12(rows, folder):
     figure.savefig(folder / "figure_12.png", dpi=120)
 
 
+def primitives(rows, folder):
+    counted = [row for row in rows if re.fullmatch(r"primitives-\d+", row["scene"])]
+    figure, axis = plt.subplots(figsize=(4.6, 3.4))
+    for method in values(counted, "method"):
+        for ssaa in values(counted, "ssaa"):
+            line = sorted((int(row["scene"].split("-")[1]), row["cpu_ms"])
+                          for row in select(counted, method=method, ssaa=ssaa))
+            axis.plot(*zip(*line), "o-", label=f"{method}, {ssaa} samples")
+    if counted:
+        axis.set(xlabel="primitives", ylabel="CPU ms a frame", xscale="log", yscale="log")
+        axis.legend(fontsize=7)
+        figure.tight_layout()
+        figure.savefig(folder / "primitives.png", dpi=120)
+
+
 def table_1(rows, folder):
     radii = [r for r in values(rows, "fovea_deg") if r > 0]
     lines = [f"{'scene':12} {'method':11} {'fovea':>6} {'ssaa':>5} {'refresh':>8} {'ssim':>8} {'flip':>8}"]
@@ -73,7 +90,7 @@ def table_1(rows, folder):
     (folder / "table_1.txt").write_text("\n".join(lines) + "\n")
 
 
-PLOTS = {"sphere": (figure_11, figure_12, table_1)}
+PLOTS = {"sphere": (figure_11, figure_12, primitives, table_1)}
 
 
 def main():

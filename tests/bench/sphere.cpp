@@ -20,6 +20,7 @@
 #include "shared/image/png.h"
 #include "shared/metrics/flip.h"
 #include "shared/metrics/ssim.h"
+#include "tests/bench/primitive_scenes.h"
 #include "tests/bench/progress.h"
 #include "tests/bench/report.h"
 #include "tests/bench/sphere_method.h"
@@ -57,11 +58,13 @@ foveation::Display display_of(const SphereOptions& options) {
 class Run {
  public:
   static Result<Run> create(const std::string& name) {
+    if (const auto count = primitive_count(name)) return Run(primitive_scene(*count));
     auto scene = scene::load_scene(name);
     if (!scene) return base::forward(scene);
     if ((*scene)->field == nullptr || (*scene)->cameras.empty()) {
-      return base::bad_input("is no distance field with a camera", name,
-                             "a distance field: primitives, columns, temple or FILE.sdf.json");
+      return base::bad_input(
+          "is no distance field with a camera", name,
+          "a distance field: primitives, columns, temple, primitives-N or FILE.sdf.json");
     }
     return Run(std::move(*scene));
   }
