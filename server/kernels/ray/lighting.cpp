@@ -22,10 +22,19 @@ constexpr std::uint32_t kStrategyDimension = 0x8000'0003U;
 /// Of shadow rays that meet blended surfaces; one a term, with the number of the ray in the term.
 enum class Term : std::uint32_t { Punctual = 0x8000'0011U, Area, Ambient, Environment };
 
-constexpr float kIdle = -1.0F;  ///< tfar of a ray that is not traced
-
 /// Rays to this many triangles still run towards about the same place.
 constexpr std::size_t kMostOfOneLamp = 8;
+
+/// Rays of a term that are aimed before any of them is traced.
+constexpr std::size_t kMostRounds = 16;
+
+/// One round of a term: for every point a ray and what it brings if nothing is in its way.
+struct Round {
+  Vec3Batch direction, contribution;
+  sampling::FloatBatch tfar;
+  visibility::BlendRule blend[sampling::kBatch];
+  bool arrives[sampling::kBatch];
+};
 
 /// One batch on its way through all terms. The loops over points are plain, for the compiler's
 /// vectors; what it cannot see through stands in the rooms' *_simd.cpp.
@@ -51,11 +60,14 @@ class Pass {
   void aim_at_environment(const sampling::Vec2Batch& strategy);
   void scramble(std::uint32_t dimension);
   void draw(int k, int count);
+  Round& round() { return rounds_[kept_]; }
   void aim_along(float tfar);
   void aim_at(const Vec3& target);
   void aim_at_lights();
-  void resolve(Coherence coherence, Term term, std::size_t round);
-  void draw_blending(Term term, std::size_t round);
+  void share_contribution(float share);
+  void keep(Term term, std::size_t round);
+  void resolve(Coherence coherence);
+  void trace_stream(Coherence coherence);
 
   const SceneFrame& scene_;
   const Config& config_;
@@ -63,14 +75,16 @@ class Pass {
   LightingWork& work_;
   const std::size_t n_;
 
-  Vec3Batch sum_{};           ///< radiance of all terms so far
-  Vec3Batch exact_{};         ///< of those that need no chance
-  Vec3Batch contribution_{};  ///< what each ray of a term brings if nothing is in its way
+  Vec3Batch sum_{};    ///< radiance of all terms so far
+  Vec3Batch exact_{};  ///< of those that need no chance
   sampling::ScramblingBatch sequences_{};
   sampling::Vec2Batch u_{};
   lights::AreaArrivalBatch light_{};
+  Round rounds_[kMostRounds];
+  std::size_t kept_ = 0;  ///< rounds that wait to be traced
   visibility::RayStream rays_;
   visibility::OcclusionStream hidden_;
+  bool* arrives_[visibility::kStreamCapacity];  ///< where the answer to each ray belongs
 };
 
 /// Only what the plan holds; a light list without the step is empty.
@@ -89,13 +103,14 @@ void Pass::run() {
 void Pass::add_punctual(const scene::Light& light, std::size_t index) {
   lights::arriving(light, points_.position, n_, light_.arrival);
   shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
-                   contribution_);
+                   round().contribution);
   if (light.kind == scene::LightKind::Directional) {
     aim_along(std::numeric_limits<float>::infinity());
   } else {
     aim_at(Vec3(light.position));
   }
-  resolve(Coherence::Coherent, Term::Punctual, index);
+  keep(Term::Punctual, index);
+  resolve(Coherence::Coherent);
 }
 
 void Pass::add_area() {
@@ -108,13 +123,13 @@ void Pass::add_area() {
     scene_.lights().arriving_area(u_, points_.position, n_, scene_.surfaces(), scene_.materials(),
                                   light_);
     shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
-                     contribution_);
-    for (std::size_t i = 0; i < n_; ++i) {
-      contribution_.x[i] *= share, contribution_.y[i] *= share, contribution_.z[i] *= share;
-    }
+                     round().contribution);
+    share_contribution(share);
     aim_at_lights();
-    resolve(coherence, Term::Area, static_cast<std::size_t>(k));
+    keep(Term::Area, static_cast<std::size_t>(k));
+    if (kept_ == kMostRounds) resolve(coherence);
   }
+  resolve(coherence);
 }
 
 /// One light of every node of each point's cut; rays of one round go to about the same places.
@@ -131,9 +146,10 @@ void Pass::add_cut() {
     lights.arriving(draws, u_, points_.position, n_, scene_.lights(), scene_.surfaces(),
                     scene_.materials(), light_);
     shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
-                     contribution_);
+                     this->round().contribution);
     aim_at_lights();
-    resolve(Coherence::Incoherent, Term::Area, round);
+    keep(Term::Area, round);
+    resolve(Coherence::Incoherent);
   }
 }
 
@@ -142,20 +158,23 @@ void Pass::add_ambient() {
   const scene::Settings& settings = scene_.scene().settings;
   const Rgb share = settings.ambient / static_cast<float>(config_.ambient_samples);
   const Vec3Batch& reflectance = points_.reflectors.reflectance;
-  for (std::size_t i = 0; i < n_; ++i) {
-    contribution_.x[i] = share.x * reflectance.x[i];
-    contribution_.y[i] = share.y * reflectance.y[i];
-    contribution_.z[i] = share.z * reflectance.z[i];
-  }
   for (int k = 0; k < config_.ambient_samples; ++k) {
     draw(k, config_.ambient_samples);
+    Vec3Batch& contribution = round().contribution;
+    for (std::size_t i = 0; i < n_; ++i) {
+      contribution.x[i] = share.x * reflectance.x[i];
+      contribution.y[i] = share.y * reflectance.y[i];
+      contribution.z[i] = share.z * reflectance.z[i];
+    }
     // What a bent shading normal sends below the surface is folded back up: an open point sees
     // exactly the whole environment.
     sampling::cosine_directions(u_, points_.reflectors.shading, points_.reflectors.geometric, n_,
                                 light_.arrival.to_light);
     aim_along(static_cast<float>(settings.ambient_distance_m));
-    resolve(Coherence::Incoherent, Term::Ambient, static_cast<std::size_t>(k));
+    keep(Term::Ambient, static_cast<std::size_t>(k));
+    if (kept_ == kMostRounds) resolve(Coherence::Incoherent);
   }
+  resolve(Coherence::Incoherent);
 }
 
 /// One sample of a mixture of two strategies, the environment's table and the surface's own
@@ -170,13 +189,13 @@ void Pass::add_environment() {
     draw(k, config_.environment_samples);
     aim_at_environment(strategy);
     shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
-                     contribution_);
-    for (std::size_t i = 0; i < n_; ++i) {
-      contribution_.x[i] *= share, contribution_.y[i] *= share, contribution_.z[i] *= share;
-    }
+                     round().contribution);
+    share_contribution(share);
     aim_along(std::numeric_limits<float>::infinity());
-    resolve(Coherence::Incoherent, Term::Environment, static_cast<std::size_t>(k));
+    keep(Term::Environment, static_cast<std::size_t>(k));
+    if (kept_ == kMostRounds) resolve(Coherence::Incoherent);
   }
+  resolve(Coherence::Incoherent);
 }
 
 void Pass::aim_at_environment(const sampling::Vec2Batch& strategy) {
@@ -209,72 +228,92 @@ void Pass::draw(int k, int count) {
   sampling::sobol_owen_2d(index, sequences_, n_, u_);
 }
 
+void Pass::share_contribution(float share) {
+  Vec3Batch& c = round().contribution;
+  for (std::size_t i = 0; i < n_; ++i) c.x[i] *= share, c.y[i] *= share, c.z[i] *= share;
+}
+
 void Pass::aim_along(float tfar) {
-  for (std::size_t i = 0; i < n_; ++i) {
-    rays_.dx[i] = light_.arrival.to_light.x[i];
-    rays_.dy[i] = light_.arrival.to_light.y[i];
-    rays_.dz[i] = light_.arrival.to_light.z[i];
-    rays_.tfar[i] = tfar;
-  }
+  Round& ray = round();
+  ray.direction = light_.arrival.to_light;
+  for (std::size_t i = 0; i < n_; ++i) ray.tfar.at[i] = tfar;
 }
 
 void Pass::aim_at(const Vec3& target) {
+  Round& ray = round();
+  const Vec3Batch& origin = points_.ray_origin;
   for (std::size_t i = 0; i < n_; ++i) {
-    rays_.dx[i] = target.x - points_.ray_origin.x[i];
-    rays_.dy[i] = target.y - points_.ray_origin.y[i];
-    rays_.dz[i] = target.z - points_.ray_origin.z[i];
-    rays_.tfar[i] = 1.0F;
+    ray.direction.x[i] = target.x - origin.x[i];
+    ray.direction.y[i] = target.y - origin.y[i];
+    ray.direction.z[i] = target.z - origin.z[i];
+    ray.tfar.at[i] = 1.0F;
   }
 }
 
 /// The end, too, is moved off its surface, so that the light cannot shadow itself.
 void Pass::aim_at_lights() {
+  Round& ray = round();
   for (std::size_t i = 0; i < n_; ++i) {
     const Vec3 end = visibility::offset_ray_origin(light_.position[i], light_.normal[i], 0.0F,
                                                    light_.span.at[i]);
-    rays_.dx[i] = end.x - points_.ray_origin.x[i];
-    rays_.dy[i] = end.y - points_.ray_origin.y[i];
-    rays_.dz[i] = end.z - points_.ray_origin.z[i];
-    rays_.tfar[i] = 1.0F;
+    ray.direction.set(i, end - points_.ray_origin[i]);
+    ray.tfar.at[i] = 1.0F;
   }
 }
 
-/// Each ray meets blended surfaces by chances of its own, in mode Fast as in mode Exact: what they
-/// let through is noise among noise.
-void Pass::draw_blending(Term term, std::size_t round) {
-  const std::uint64_t index = (std::uint64_t{points_.sample} << 32) | round;
+/// Puts the aimed round away until resolve(). Each ray meets blended surfaces by chances of its
+/// own, in mode Fast as in mode Exact: what they let through is noise among noise.
+void Pass::keep(Term term, std::size_t index) {
+  Round& ray = round();
+  ++kept_;
+  if (!scene_.triangles().blends()) return;
+  const std::uint64_t number = (std::uint64_t{points_.sample} << 32) | index;
   for (std::size_t i = 0; i < n_; ++i) {
-    rays_.blend[i] = visibility::blend_by_chance(
-        sampling::sample_bits(points_.keys[i], static_cast<std::uint32_t>(term), index));
+    ray.blend[i] = visibility::blend_by_chance(
+        sampling::sample_bits(points_.keys[i], static_cast<std::uint32_t>(term), number));
   }
 }
 
-/// Traces the aimed rays that have something to bring, and sums what arrives.
-void Pass::resolve(Coherence coherence, Term term, std::size_t round) {
-  std::uint32_t traced = 0;
-  const Vec3Batch& c = contribution_;
+/// Traces the kept rays that have something to bring, point by point: those of one point, and of
+/// its neighbours, are the most alike. Sums what arrives, round by round.
+void Pass::resolve(Coherence coherence) {
+  const bool blends = scene_.triangles().blends();
+  rays_.clear();
   for (std::size_t i = 0; i < n_; ++i) {
-    const bool brings = !(c.x[i] == 0.0F) | !(c.y[i] == 0.0F) | !(c.z[i] == 0.0F);
-    rays_.tfar[i] = brings ? rays_.tfar[i] : kIdle;
-    traced += brings ? 1U : 0U;
-    rays_.ox[i] = points_.ray_origin.x[i];
-    rays_.oy[i] = points_.ray_origin.y[i];
-    rays_.oz[i] = points_.ray_origin.z[i];
-    rays_.tnear[i] = 0.0F;
+    const Vec3 origin = points_.ray_origin[i];
+    for (std::size_t k = 0; k < kept_; ++k) {
+      Round& ray = rounds_[k];
+      const Vec3Batch& c = ray.contribution;
+      ray.arrives[i] = false;
+      const bool brings = !(c.x[i] == 0.0F) | !(c.y[i] == 0.0F) | !(c.z[i] == 0.0F);
+      if (!brings) continue;
+      if (rays_.full()) trace_stream(coherence);
+      const int place = rays_.push(origin, ray.direction[i], 0.0F, ray.tfar.at[i]);
+      if (blends) rays_.blend[place] = ray.blend[i];
+      arrives_[place] = &ray.arrives[i];
+    }
   }
-  if (traced == 0) return;
-  rays_.count = static_cast<int>(n_);
-  if (scene_.triangles().blends()) draw_blending(term, round);
+  trace_stream(coherence);
+  for (std::size_t k = 0; k < kept_; ++k) {
+    const Round& ray = rounds_[k];
+    const Vec3Batch& c = ray.contribution;
+    for (std::size_t i = 0; i < n_; ++i) {
+      sum_.x[i] += ray.arrives[i] ? c.x[i] : 0.0F;
+      sum_.y[i] += ray.arrives[i] ? c.y[i] : 0.0F;
+      sum_.z[i] += ray.arrives[i] ? c.z[i] : 0.0F;
+    }
+  }
+  kept_ = 0;
+}
+
+void Pass::trace_stream(Coherence coherence) {
+  if (rays_.count == 0) return;
   const auto begin = std::chrono::steady_clock::now();
   scene_.occluded(rays_, hidden_, coherence);
   work_.trace_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
-  work_.shadow_rays += traced;
-  for (std::size_t i = 0; i < n_; ++i) {
-    const bool arrives = hidden_.occluded[i] == 0;
-    sum_.x[i] += arrives ? c.x[i] : 0.0F;
-    sum_.y[i] += arrives ? c.y[i] : 0.0F;
-    sum_.z[i] += arrives ? c.z[i] : 0.0F;
-  }
+  work_.shadow_rays += static_cast<std::uint64_t>(rays_.count);
+  for (int i = 0; i < rays_.count; ++i) *arrives_[i] = hidden_.occluded[i] == 0;
+  rays_.clear();
 }
 
 }  // namespace
