@@ -34,6 +34,12 @@ class RowWarp {
   float inverse_depth_now(const Vec2& tangent_then, float inverse_depth_then) const;
   /// The function above for row y: inverse_depth.size() is the grid's width.
   void row(int y, std::span<const float> inverse_depth, RowPlaces& places) const;
+  /// The same for any x tangents on row y, as many as inverse depths.
+  void row(int y, std::span<const float> tangent_x, std::span<const float> inverse_depth,
+           RowPlaces& places) const;
+  /// Of the centres of the columns and of a row now.
+  std::span<const float> tangents_x() const { return tangent_x_; }
+  float tangent_y(int y) const { return tangent_y_[y]; }
 
  private:
   Mat3 then_from_now_rotation_;

@@ -122,13 +122,19 @@ float RowWarp::inverse_depth_now(const Vec2& tangent_then, float inverse_depth_t
 }
 
 void RowWarp::row(int y, std::span<const float> inverse_depth, RowPlaces& places) const {
-  MACULA_CHECK(inverse_depth.size() == tangent_x_.size());
+  row(y, tangent_x_, inverse_depth, places);
+}
+
+void RowWarp::row(int y, std::span<const float> tangent_x, std::span<const float> inverse_depth,
+                  RowPlaces& places) const {
+  MACULA_CHECK(inverse_depth.size() == tangent_x.size());
   places.resize(inverse_depth.size());
   const Vec3 base =
       then_from_now_rotation_ * math::direction_from_tangent(Vec2{0.0F, tangent_y_[y]});
-  const RowArguments row{base, then_from_now_rotation_[0], then_from_now_origin_, x_then_, y_then_};
+  const RowArguments arguments{base, then_from_now_rotation_[0], then_from_now_origin_, x_then_,
+                               y_then_};
   HWY_DYNAMIC_DISPATCH(warp_row)
-  (row, tangent_x_.data(), inverse_depth.data(), inverse_depth.size(), places);
+  (arguments, tangent_x.data(), inverse_depth.data(), inverse_depth.size(), places);
 }
 
 }  // namespace macula::reconstruction

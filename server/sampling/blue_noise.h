@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace macula::sampling {
 
@@ -21,11 +22,18 @@ class BlueNoise {
 
   /// Place of a pixel in the order of the square: every number below kCount once.
   std::uint32_t rank(int x, int y) const { return ranks_[index(x, y)]; }
+  /// Ranks of the kSide pixels of a row, which repeat.
+  std::span<const std::uint16_t, kSide> row(int y) const {
+    return std::span<const std::uint16_t, kSide>(&ranks_[index(0, y)], kSide);
+  }
+  /// How far thresholds have moved until a frame, in units of 2^-32.
+  static std::uint32_t moved(std::uint64_t frame) {
+    constexpr std::uint32_t kGolden = 0x9E3779B9U;  // (sqrt(5) - 1) / 2
+    return static_cast<std::uint32_t>(frame) * kGolden;
+  }
   /// In [0, 1), for any pixel and frame: `threshold < p` selects a share p of the pixels.
   float threshold(int x, int y, std::uint64_t frame) const {
-    constexpr std::uint32_t kGolden = 0x9E3779B9U;  // (sqrt(5) - 1) / 2 in units of 2^-32
-    const std::uint32_t level = (2U * rank(x, y) + 1U) * (0x80000000U / kCount) +
-                                static_cast<std::uint32_t>(frame) * kGolden;
+    const std::uint32_t level = (2U * rank(x, y) + 1U) * (0x80000000U / kCount) + moved(frame);
     return static_cast<float>(level >> 8U) * 0x1p-24F;
   }
 

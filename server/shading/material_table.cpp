@@ -101,6 +101,15 @@ Bsdf MaterialTable::make_bsdf(const Factors& at) const {
   return bsdf;
 }
 
+void MaterialTable::fetch(scene::Index material, const Vec2& uv, float footprint_uv) const {
+  const auto& lookup = materials_[material].base_color;
+  if (!lookup) return;
+  const scene::TextureRef& reference = lookup->reference;
+  textures_[lookup->texture].fetch(transform_uv(reference, uv),
+                                   footprint_uv * footprint_scale(reference), reference.wrap_u,
+                                   reference.wrap_v);
+}
+
 Rgb MaterialTable::base_color(scene::Index material, const Vec2& uv, float footprint_uv) const {
   const Entry& entry = materials_[material];
   return entry.material.base_color * Rgb(read(entry.base_color, uv, footprint_uv));

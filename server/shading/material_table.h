@@ -39,6 +39,8 @@ class MaterialTable {
 
   /// `footprint_uv`: side of the square of texture space one sample stands for; 0 = no filtering.
   Bsdf bsdf(scene::Index material, const Vec2& uv, float footprint_uv, MaterialModel model) const;
+  /// Brings the base colour's texels near, without waiting for them.
+  void fetch(scene::Index material, const Vec2& uv, float footprint_uv) const;
   /// Base colour times texture: what the albedo plane shows.
   Rgb base_color(scene::Index material, const Vec2& uv, float footprint_uv) const;
   /// The same for a surface without texture coordinates: its pattern is a function of its place,

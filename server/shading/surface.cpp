@@ -107,6 +107,22 @@ Surface SurfaceTable::at(scene::Index instance, scene::Index triangle,
   return surface;
 }
 
+void SurfaceTable::fetch_triangle(scene::Index instance, scene::Index triangle) const {
+  const Placed& placed = instances_[instance];
+  __builtin_prefetch(&placed.mesh->triangles[triangle]);
+  if (!placed.uv_per_unit->empty()) __builtin_prefetch(&(*placed.uv_per_unit)[triangle]);
+}
+
+void SurfaceTable::fetch_vertices(scene::Index instance, scene::Index triangle) const {
+  const Placed& placed = instances_[instance];
+  const UVec3 t = placed.mesh->triangles[triangle];
+  for (const scene::Index vertex : {t.x, t.y, t.z}) {
+    __builtin_prefetch(&placed.positions[vertex]);
+    if (!placed.normals.empty()) __builtin_prefetch(&placed.normals[vertex]);
+    if (!placed.mesh->texcoords.empty()) __builtin_prefetch(&placed.mesh->texcoords[vertex]);
+  }
+}
+
 float SurfaceTable::uv_per_meter(scene::Index instance, scene::Index triangle) const {
   const Placed& placed = instances_[instance];
   if (placed.uv_per_unit->empty() || !(placed.meters_per_unit > 0.0F)) return 0.0F;

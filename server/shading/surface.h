@@ -34,6 +34,10 @@ class SurfaceTable {
 
   /// The point (1 - u - v) p0 + u p1 + v p2.
   Surface at(scene::Index instance, scene::Index triangle, const Vec2& barycentric) const;
+  /// Two steps that bring what at() reads near: of triangles, then of their vertices. For loops
+  /// over points that lie anywhere; they change nothing.
+  void fetch_triangle(scene::Index instance, scene::Index triangle) const;
+  void fetch_vertices(scene::Index instance, scene::Index triangle) const;
   /// Texture length per meter on a triangle: the square root of the ratio of its areas; 0 without
   /// texture coordinates or area. Exact under rotations and uniform scales.
   float uv_per_meter(scene::Index instance, scene::Index triangle) const;

@@ -170,15 +170,39 @@ Vec4 Texture::bilinear(const Level& level, Vec2 uv, Wrap wrap_u, Wrap wrap_v) co
 
 Vec4 Texture::sample(Vec2 uv, float footprint_uv, Wrap wrap_u, Wrap wrap_v) const {
   const Vec2 wrapped{wrap_coordinate(uv.x, wrap_u), wrap_coordinate(uv.y, wrap_v)};
-  const float texels = footprint_uv * side_texels_;
-  if (!(texels > 1.0F)) return bilinear(levels_.front(), wrapped, wrap_u, wrap_v);
-  const float last = static_cast<float>(levels_.size() - 1);
-  const float level = std::min(std::log2(texels), last);
+  const float level = level_of(footprint_uv);
+  if (!(level > 0.0F)) return bilinear(levels_.front(), wrapped, wrap_u, wrap_v);
   const auto finer = static_cast<std::size_t>(level);
   const float blend = level - static_cast<float>(finer);
   const Vec4 near = bilinear(levels_[finer], wrapped, wrap_u, wrap_v);
   if (finer + 1 == levels_.size()) return near;
   return (1.0F - blend) * near + blend * bilinear(levels_[finer + 1], wrapped, wrap_u, wrap_v);
+}
+
+/// 0 for footprints of a texel or less.
+float Texture::level_of(float footprint_uv) const {
+  const float texels = footprint_uv * side_texels_;
+  if (!(texels > 1.0F)) return 0.0F;
+  return std::min(std::log2(texels), static_cast<float>(levels_.size() - 1));
+}
+
+void Texture::fetch(Vec2 uv, float footprint_uv, Wrap wrap_u, Wrap wrap_v) const {
+  const Vec2 wrapped{wrap_coordinate(uv.x, wrap_u), wrap_coordinate(uv.y, wrap_v)};
+  const auto finer = static_cast<std::size_t>(level_of(footprint_uv));
+  fetch_around(levels_[finer], wrapped);
+  if (finer > 0 && finer + 1 < levels_.size()) fetch_around(levels_[finer + 1], wrapped);
+}
+
+/// The texel at a place and the one below: the line of either has most of its neighbours.
+void Texture::fetch_around(const Level& level, Vec2 uv) const {
+  const int x = static_cast<int>(uv.x * static_cast<float>(level.width) - 0.5F);
+  const int y = static_cast<int>(uv.y * static_cast<float>(level.height) - 0.5F);
+  const auto row = static_cast<std::size_t>(std::clamp(y, 0, level.height - 1));
+  const auto width = static_cast<std::size_t>(level.width);
+  const auto column = static_cast<std::size_t>(std::clamp(x, 0, level.width - 1));
+  const image::Rgba8* at = &texels_[level.first + row * width + column];
+  __builtin_prefetch(at);
+  if (y + 1 < level.height) __builtin_prefetch(at + width);
 }
 
 Vec2 transform_uv(const scene::TextureRef& reference, Vec2 uv) {

@@ -21,6 +21,8 @@ class Texture {
   /// averaged over about a square of side `footprint_uv`; 0 reads the finest level bilinearly.
   /// A non-finite uv reads (0, 0).
   Vec4 sample(Vec2 uv, float footprint_uv, scene::Wrap wrap_u, scene::Wrap wrap_v) const;
+  /// Brings the texels that sample() reads near, without waiting for them.
+  void fetch(Vec2 uv, float footprint_uv, scene::Wrap wrap_u, scene::Wrap wrap_v) const;
   /// Linear mean of the whole image.
   const Vec4& mean() const { return mean_; }
   int level_count() const { return static_cast<int>(levels_.size()); }
@@ -34,6 +36,8 @@ class Texture {
                     scene::ColorSpace space);
   Vec4 texel(const Level& level, int x, int y) const;
   Vec4 bilinear(const Level& level, Vec2 uv, scene::Wrap wrap_u, scene::Wrap wrap_v) const;
+  void fetch_around(const Level& level, Vec2 uv) const;
+  float level_of(float footprint_uv) const;
 
   std::vector<Level> levels_;
   std::vector<image::Rgba8> texels_;  ///< every level, finest first

@@ -12,16 +12,10 @@ float least_weight(const AgeLimits& limits, std::uint32_t age) {
   return limits.least * std::pow(limits.most / limits.least, std::min(y, 1.0F));
 }
 
-float weight(float samples, float limit, WeightRule rule) {
-  const float mean = 1.0F / (samples + 1.0F);
-  if (rule == WeightRule::AtMostLimit) return std::min(mean, limit);
-  return std::max(mean, limit);
-}
-
-float samples_after(float samples, float alpha) {
-  if (!(samples > 0.0F)) return 1.0F;
-  const float rest = 1.0F - alpha;
-  return 1.0F / (alpha * alpha + rest * rest / samples);
+LimitTable::LimitTable(const AgeLimits& limits) : most_(least_weight(limits, ~0U)) {
+  for (int age = 0; age < limits.full_age; ++age) {
+    weights_.push_back(least_weight(limits, static_cast<std::uint32_t>(age)));
+  }
 }
 
 }  // namespace macula::kernels::ray

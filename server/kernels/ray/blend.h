@@ -2,7 +2,9 @@
 // corrections and guards that README.md lists. Pure functions.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "server/kernels/ray/foveated_config.h"
 
@@ -13,10 +15,28 @@ namespace macula::kernels::ray {
 float least_weight(const AgeLimits& limits, std::uint32_t age);
 
 /// alpha_t of a sample that meets the mean of `samples` (rho >= 0) earlier ones; 1 for none.
-float weight(float samples, float limit, WeightRule rule);
+inline float weight(float samples, float limit, WeightRule rule) {
+  const float mean = 1.0F / (samples + 1.0F);
+  return rule == WeightRule::AtMostLimit ? std::min(mean, limit) : std::max(mean, limit);
+}
 
 /// rho_t: how many independent samples the blend is worth: 1 / (a^2 + (1 - a)^2 / rho); 1 where
 /// nothing was remembered.
-float samples_after(float samples, float alpha);
+inline float samples_after(float samples, float alpha) {
+  if (!(samples > 0.0F)) return 1.0F;
+  const float rest = 1.0F - alpha;
+  return 1.0F / (alpha * alpha + rest * rest / samples);
+}
+
+/// least_weight() of every age.
+class LimitTable {
+ public:
+  explicit LimitTable(const AgeLimits& limits);
+  float at(std::uint32_t age) const { return age < weights_.size() ? weights_[age] : most_; }
+
+ private:
+  float most_;
+  std::vector<float> weights_;
+};
 
 }  // namespace macula::kernels::ray

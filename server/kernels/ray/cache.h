@@ -7,6 +7,7 @@
 
 #include "server/kernels/frame_buffers.h"
 #include "server/kernels/history.h"
+#include "server/reconstruction/texel.h"
 #include "shared/foveation/pixel_grid.h"
 #include "shared/image/color.h"
 #include "shared/image/plane.h"
@@ -15,15 +16,7 @@
 namespace macula::kernels::ray {
 
 using image::Plane;
-
-/// Four numbers that are filtered together; one load of a vector register.
-struct alignas(16) Texel {
-  float r = 0.0F, g = 0.0F, b = 0.0F, unused = 0.0F;
-
-  Texel() = default;
-  explicit Texel(const Rgb& c) : r(c.x), g(c.y), b(c.z) {}
-  Rgb rgb() const { return {r, g, b}; }
-};
+using reconstruction::Texel;
 
 /// A cell's cache info (section 3.4), never interpolated.
 struct CacheInfo {
@@ -53,8 +46,9 @@ struct Cache {
 struct ViewMemory {
   Pose world_from_view;
   PixelGrid grid;
-  Cache now, then;    ///< of the last frame, and room for the one before
-  ViewBuffers fresh;  ///< room for a frame's samples
+  Cache now, then;      ///< of the last frame, and room for the one before
+  ViewBuffers fresh;    ///< room for a frame's samples
+  Plane<Texel> chroma;  ///< and for their colours in YCoCg
 };
 
 struct RayRecord final : HistoryRecord {

@@ -68,13 +68,18 @@ class ViewFrame {
         context_(view_, scene, config, request,
                  (out.wanted & kRemembered) | kNormal | (has_light_ ? kLight : 0U)),
         support_(view_.grid, config.foveated.support_spacing),
+        probability_(request.foveation.view(index), request.foveation.model()),
         mask_(support_, view_.grid.width(), view_.grid.height()),
         fresh_(memory_.fresh) {}
 
   FrameReport run(Motion scene_motion) {
-    Outcome outcome = trace_support();
-    if (outcome == Outcome::Completed) outcome = remember(scene_motion);
-    if (outcome == Outcome::Completed) outcome = trace_mask();
+    choose();
+    Outcome outcome = trace(mask_.chosen());
+    if (outcome == Outcome::Completed) {
+      support_.fill(fresh_, config_.foveated);
+      outcome = remember(scene_motion);
+    }
+    if (outcome == Outcome::Completed) outcome = resample();
     if (outcome == Outcome::Completed) outcome = merge();
     report_.stopped = outcome == Outcome::Stopped;
     // A picture half written is nothing to remember.
@@ -83,12 +88,11 @@ class ViewFrame {
   }
 
  private:
-  Outcome trace_support() {
+  void choose() {
     prepare_fresh();
-    mask_.mark_support();
-    const Outcome outcome = trace(mask_.support_cells());
-    if (outcome == Outcome::Completed) support_.fill(fresh_, config_.foveated);
-    return outcome;
+    const double begin = scheduling::thread_cpu_ms();
+    mask_.choose(probability_, request_.frame, request_.seed, config_.foveated, scheduler_);
+    report_.mask_ms += scheduling::thread_cpu_ms() - begin;
   }
 
   void prepare_fresh() {
@@ -97,116 +101,143 @@ class ViewFrame {
     buffers.views.push_back(std::move(fresh_));
     prepare_buffers({&view_, 1}, buffers);
     fresh_ = std::move(buffers.views.front());
+    const int width = view_.grid.width(), height = view_.grid.height();
+    if (memory_.chroma.width() != width || memory_.chroma.height() != height) {
+      memory_.chroma.resize(width, height);
+    }
   }
 
   Outcome trace(const std::vector<image::Pixel>& cells) {
-    constexpr std::size_t kBatch = kTileSide * kTileSide;
-    std::vector<FrameReport> parts((cells.size() + kBatch - 1) / kBatch);
+    std::vector<FrameReport> parts(batch_count(cells));
     const Outcome outcome =
         Stage(scheduler_, report_.sample_ms).run(parts.size(), [&](std::size_t batch) {
-          parts[batch] = render_cells(context_, batch_of(cells, batch), fresh_);
+          const std::span<const image::Pixel> part = batch_of(cells, batch);
+          parts[batch] = render_cells(context_, part, fresh_);
+          for (const auto& [x, y] : part) memory_.chroma(x, y) = chroma_of(fresh_, x, y);
         });
     for (const FrameReport& part : parts) report_ += part;
     return outcome;
   }
+  static constexpr std::size_t kBatch = kTileSide * kTileSide;
+  static std::size_t batch_count(const std::vector<image::Pixel>& cells) {
+    return (cells.size() + kBatch - 1) / kBatch;
+  }
   static std::span<const image::Pixel> batch_of(const std::vector<image::Pixel>& cells,
                                                 std::size_t batch) {
-    constexpr std::size_t kBatch = kTileSide * kTileSide;
     const std::size_t first = batch * kBatch;
     return std::span(cells).subspan(first, std::min(kBatch, cells.size() - first));
   }
 
-  /// Leaves in memory_.now what is remembered as this view sees it.
+  /// body(first, last) for all rows, a few at a time.
+  template <class Body>
+  Outcome in_rows(double& total_ms, const Body& body) {
+    const int height = view_.grid.height();
+    const int tasks = (height + kRowsPerTask - 1) / kRowsPerTask;
+    return Stage(scheduler_, total_ms).run(static_cast<std::size_t>(tasks), [&](std::size_t task) {
+      const int first = static_cast<int>(task) * kRowsPerTask;
+      body(first, std::min(first + kRowsPerTask, height));
+    });
+  }
+
+  /// Leaves in memory_.now, and in the frame, what is remembered as this view sees it.
   Outcome remember(Motion scene_motion) {
     const int width = view_.grid.width(), height = view_.grid.height();
     const bool same_view = memory_.grid == view_.grid && same_pose();
     motion_ = same_view ? scene_motion : Motion::Moving;
     remembers_ = memory_.grid.width() > 0;
+    Outcome outcome = Outcome::Completed;
     if (!remembers_) {
       prepare_cache(memory_.now, width, height, has_light_, record_.wanted);
       std::ranges::fill(memory_.now.inverse_depth.pixels(), Cache::kNothing);
-    } else if (!same_view) {
+    } else if (same_view) {
+      outcome = in_rows(report_.merge_ms,
+                        [&](int first, int last) { show_rows(memory_.now, first, last, out_); });
+    } else {
       std::swap(memory_.now, memory_.then);
       prepare_cache(memory_.now, width, height, has_light_, record_.wanted);
       const ReprojectJob job{memory_.then, memory_.world_from_view, memory_.grid,  view_,
                              support_,     config_.foveated,        request_.frame};
-      const int tasks = (height + kRowsPerTask - 1) / kRowsPerTask;
       const Reprojector reprojector(job, memory_.now);
-      const Outcome outcome = Stage(scheduler_, report_.reproject_ms)
-                                  .run(static_cast<std::size_t>(tasks), [&](std::size_t task) {
-                                    const int first = static_cast<int>(task) * kRowsPerTask;
-                                    reprojector.rows(first, std::min(first + kRowsPerTask, height));
-                                  });
-      if (outcome == Outcome::Stopped) return outcome;
+      outcome = in_rows(report_.reproject_ms, [&](int first, int last) {
+        reprojector.rows(first, last);
+        show_rows(memory_.now, first, last, out_);
+      });
     }
     memory_.world_from_view = view_.world_from_view;
     memory_.grid = view_.grid;
-    return Outcome::Completed;
+    return outcome;
   }
   bool same_pose() const {
     return memory_.world_from_view.position == view_.world_from_view.position &&
            memory_.world_from_view.rotation == view_.world_from_view.rotation;
   }
 
-  Outcome trace_mask() {
+  Outcome resample() {
     const double begin = scheduling::thread_cpu_ms();
-    const auto& map = request_.foveation;
-    const Probability probability(map.view(index_), map.model());
-    mask_.draw(probability, remembers_ ? &memory_.now : nullptr, request_.frame, request_.seed,
-               config_.foveated, scheduler_);
     Plane<float> scores(support_.broken.width(), support_.broken.height(), 0.0F);
     if (remembers_) {
       scores = resampling_scores({view_, support_, fresh_, memory_.now, config_.foveated, motion_});
-      weigh_by_rate(probability, scores);
+      weigh_by_rate(scores);
     }
-    mask_.resample(scores, request_.frame, config_.foveated, scheduler_);
-    cells_ = mask_.other_cells(scheduler_);
+    mask_.resample(remembers_ ? &memory_.now : nullptr, scores, request_.frame, config_.foveated,
+                   scheduler_);
     report_.mask_ms += scheduling::thread_cpu_ms() - begin;
     report_.resampled_cells += mask_.counts().resampled;
-    return trace(cells_);
+    return trace(mask_.resampled());
   }
   /// What is urgent is the more so the better the eye sees there.
-  void weigh_by_rate(const Probability& probability, Plane<float>& scores) const {
+  void weigh_by_rate(Plane<float>& scores) const {
     for (int j = 0; j < scores.height(); ++j) {
       for (int i = 0; i < scores.width(); ++i) {
         if (scores(i, j) <= 0.0F) continue;
-        scores(i, j) *= probability.at(support_.x.cells[i], support_.y.cells[j]);
+        scores(i, j) *= probability_.at(support_.x.cells[i], support_.y.cells[j]);
       }
     }
   }
 
   Outcome merge() {
-    const MergeJob job{view_,         support_, mask_,         fresh_, config_.foveated,
-                       record_.clock, motion_,  request_.frame};
-    for (const bool support : {true, false}) {
-      const std::vector<image::Pixel> cells = support ? mask_.support_cells() : std::move(cells_);
-      constexpr std::size_t kBatch = kTileSide * kTileSide;
+    const MergeJob job{view_,         support_,       mask_,
+                       fresh_,        memory_.chroma, config_.foveated,
+                       record_.clock, motion_,        request_.frame};
+    Outcome outcome = in_batches(report_.cache_ms, [&](std::span<const image::Pixel> cells) {
+      update_cells(job, cells, memory_.now, out_.radiance);
+    });
+    if (outcome == Outcome::Completed) {
+      outcome = in_batches(report_.cache_ms, [&](std::span<const image::Pixel> cells) {
+        finish_cells(job, cells, memory_.now, out_.depth_m);
+      });
+    }
+    return outcome == Outcome::Completed ? write(job) : outcome;
+  }
+  /// body(cells) for all traced cells.
+  template <class Body>
+  Outcome in_batches(double& total_ms, const Body& body) {
+    for (const auto* cells : {&mask_.chosen(), &mask_.resampled()}) {
       const Outcome outcome =
-          Stage(scheduler_, report_.cache_ms)
-              .run((cells.size() + kBatch - 1) / kBatch, [&](std::size_t batch) {
-                update_cache(job, batch_of(cells, batch), memory_.now);
-              });
+          Stage(scheduler_, total_ms).run(batch_count(*cells), [&](std::size_t batch) {
+            body(batch_of(*cells, batch));
+          });
       if (outcome == Outcome::Stopped) return outcome;
     }
-    return write(job);
+    return Outcome::Completed;
   }
 
   Outcome write(const MergeJob& job) {
-    const int height = view_.grid.height();
-    const int tasks = (height + kRowsPerTask - 1) / kRowsPerTask;
-    std::vector<WriteCounts> parts(static_cast<std::size_t>(tasks));
-    const Outcome outcome =
-        Stage(scheduler_, report_.merge_ms).run(parts.size(), [&](std::size_t task) {
-          const int first = static_cast<int>(task) * kRowsPerTask;
-          parts[task] =
-              write_frame(job, first, std::min(first + kRowsPerTask, height), memory_.now, out_);
+    const std::vector<image::Pixel>& unknown = mask_.unknown();
+    report_.filled_cells += unknown.size();
+    Outcome outcome =
+        Stage(scheduler_, report_.merge_ms).run(batch_count(unknown), [&](std::size_t batch) {
+          fill_cells(job, batch_of(unknown, batch), memory_.now, out_);
         });
-    for (const WriteCounts& part : parts) {
-      report_.filled_cells += part.filled;
-      report_.post_ms += part.post_ms;
+    if (outcome == Outcome::Completed && config_.foveated.post_filter == PostFilter::On) {
+      const std::vector<image::Pixel>& cells = mask_.resampled();
+      outcome = Stage(scheduler_, report_.post_ms).run(batch_count(cells), [&](std::size_t batch) {
+        post_filter_cells(job, batch_of(cells, batch), memory_.now, out_.radiance);
+      });
     }
-    report_.merge_ms -= report_.post_ms;
-    return outcome;
+    if (outcome == Outcome::Stopped) return outcome;
+    return in_rows(report_.merge_ms,
+                   [&](int first, int last) { copy_rows(memory_.now, first, last, out_); });
   }
 
   const FrameRequest& request_;
@@ -220,12 +251,12 @@ class ViewFrame {
   bool has_light_;
   ViewContext context_;
   Support support_;
+  Probability probability_;
   SamplingMask mask_;
   ViewBuffers& fresh_;
   FrameReport report_;
   Motion motion_ = Motion::Moving;
   bool remembers_ = false;
-  std::vector<image::Pixel> cells_;
 };
 
 /// The history's record, empty where it is another kernel's or was made for other planes.

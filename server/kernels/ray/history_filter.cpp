@@ -9,8 +9,6 @@
 namespace macula::kernels::ray {
 namespace {
 
-/// Within about this eccentricity the eye tells bicubic from bilinear taps: cos^2 of 26 degrees.
-constexpr float kLeastSquaredCosine = 0.808F;
 constexpr int kBicubicTaps = 16;
 
 /// Catmull-Rom weights of four taps around a fraction in [0, 1); exact at 0.

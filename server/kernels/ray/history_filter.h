@@ -11,6 +11,9 @@
 
 namespace macula::kernels::ray {
 
+/// Within about this eccentricity the eye tells bicubic from bilinear taps: cos^2 of 26 degrees.
+inline constexpr float kLeastSquaredCosine = 0.808F;
+
 /// Cells and their shares of one value; shares sum to 1.
 struct Taps {
   struct Tap {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "server/kernels/kernel.h"
+#include "server/kernels/ray/blend.h"
 #include "server/kernels/ray/cache.h"
 #include "server/kernels/ray/foveated_config.h"
 #include "server/kernels/ray/resampling.h"
@@ -18,21 +19,35 @@ struct MergeJob {
   const Support& support;
   const SamplingMask& mask;
   const ViewBuffers& fresh;
+  /// Of the traced cells: colour as the cache has it, in YCoCg, by chroma_of().
+  const Plane<Texel>& chroma;
   const FoveatedConfig& config;
   std::uint32_t clock = 0;
   Motion motion = Motion::Moving;
   std::uint64_t frame = 0;  ///< for the post filter's probes
+  LimitTable color_limits{config.color_age}, light_limits{config.light_age};
 };
 
-/// Blends the fresh samples of `cells` into `cache`. Depths there stay the remembered ones until
-/// write_frame(), because neighbours are held against them.
-void update_cache(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache);
+/// A new sample's colour in YCoCg, without the light that is remembered apart.
+Texel chroma_of(const ViewBuffers& fresh, int x, int y);
 
-struct WriteCounts {
-  std::size_t filled = 0;  ///< from the support image
-  double post_ms = 0.0;    ///< CPU time of the post filter
-};
-/// Fills and writes rows [first, last) of the frame, and gives the cache its new depths.
-WriteCounts write_frame(const MergeJob& job, int first, int last, Cache& cache, ViewBuffers& out);
+/// Blends the fresh samples of `cells` into `cache`, and shows them in `radiance`. Depths in the
+/// cache stay the remembered ones until finish_cells(), because neighbours are held against them.
+void update_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
+                  Plane<Rgb>& radiance);
+/// Gives the cache and the frame the new depths of `cells`.
+void finish_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
+                  Plane<float>& depth_m);
+/// Fills cells that are neither traced nor remembered.
+void fill_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
+                ViewBuffers& out);
+/// Shows resampled cells under their neighbours' light (section 3.5).
+void post_filter_cells(const MergeJob& job, std::span<const image::Pixel> cells, const Cache& cache,
+                       Plane<Rgb>& radiance);
+
+/// What is remembered, as radiance and depth: rows [first, last).
+void show_rows(const Cache& cache, int first, int last, ViewBuffers& out);
+/// The other planes that `out` has: rows [first, last).
+void copy_rows(const Cache& cache, int first, int last, ViewBuffers& out);
 
 }  // namespace macula::kernels::ray

@@ -2,9 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace macula::kernels::ray {
+
+using reconstruction::Known;
+using reconstruction::RowPlaces;
+using reconstruction::RowReads;
+
+namespace {
+
+bool contains(const Plane<float>& plane, float x, float y) {
+  return x >= 0.0F && y >= 0.0F && x < static_cast<float>(plane.width()) &&
+         y < static_cast<float>(plane.height());
+}
+
+}  // namespace
 
 Reprojector::Reprojector(const ReprojectJob& job, Cache& now)
     : job_(job),
@@ -13,86 +25,138 @@ Reprojector::Reprojector(const ReprojectJob& job, Cache& now)
       taps_(job.then, job.view, job.config.filter, job.frame) {}
 
 void Reprojector::rows(int first, int last) const {
-  std::vector<float> inverse_depth(job_.view.grid.width());
-  reconstruction::RowPlaces places;
-  for (int y = first; y < last; ++y) {
-    job_.support.inverse_depth_row(y, inverse_depth);
-    warp_.row(y, inverse_depth, places);
-    for (int x = 0; x < job_.view.grid.width(); ++x) {
-      const Place guess{places.x[x], places.y[x], places.inverse_depth[x]};
-      write(x, y, find(x, y, guess, inverse_depth[x]));
+  Row row;
+  row.inverse_depth.resize(job_.view.grid.width());
+  for (row.y = first; row.y < last; ++row.y) {
+    job_.support.inverse_depth_row(row.y, row.inverse_depth);
+    warp_.row(row.y, row.inverse_depth, row.places);
+    if (!in_vectors()) {
+      read_one_by_one(row);
+      continue;
     }
+    judge(warp_.tangents_x(), row.y, row.places, row.reads);
+    follow(row);
+    follow(row);
+    try_corners(row);
+    write(row);
   }
 }
 
-auto Reprojector::find(int x, int y, const Place& guess, float guessed_depth) const
-    -> std::optional<Found> {
-  if (job_.config.warp == WarpKind::Mesh) {
-    // A mesh shows what it is textured with, right or wrong.
-    if (!inside(guess) || depth_at(guess) < 0.0F) return std::nullopt;
-    return Found{guess, guessed_depth};
+/// As printed a mesh shows what it is textured with, right or wrong.
+bool Reprojector::in_vectors() const {
+  return job_.config.warp == WarpKind::Verified &&
+         job_.config.filter != HistoryFilter::NormalTaps && job_.then.color.width() > 1 &&
+         job_.then.color.height() > 1;
+}
+
+void Reprojector::judge(std::span<const float> tangent_x, int y, const RowPlaces& places,
+                        RowReads& reads) const {
+  const reconstruction::Cone sharp =
+      job_.config.filter == HistoryFilter::Bicubic
+          ? reconstruction::Cone{job_.view.gaze.direction, kLeastSquaredCosine}
+          : reconstruction::Cone{};
+  reconstruction::judge_places({job_.then.inverse_depth, job_.config.merge_threshold, sharp},
+                               places, tangent_x, warp_.tangent_y(y), reads);
+}
+
+/// Takes the depths that were found at the places instead of the ones that were looked for.
+void Reprojector::follow(Row& row) const {
+  row.columns.clear(), row.tried_depth.clear();
+  for (int x = 0; x < job_.view.grid.width(); ++x) {
+    if (row.reads.known[x] != Known::Nothing) continue;
+    const float depth = followed_depth(row, x);
+    if (depth < 0.0F) continue;
+    row.columns.push_back(x), row.tried_depth.push_back(depth);
   }
-  if (agrees(guess)) return Found{guess, guessed_depth};
-  if (const auto found = follow(x, y, guess)) return found;
-  if (!job_.support.broken_at(x, y)) return std::nullopt;
-  for (const float corner : job_.support.corners(x, y)) {
-    const Place place = warp_.then(x, y, corner);
-    if (agrees(place)) return Found{place, corner};
+  try_again(row);
+}
+
+/// Inverse depth now of what lies at a cell's place; negative where there is nothing to follow.
+float Reprojector::followed_depth(const Row& row, int x) const {
+  const Plane<float>& depths = job_.then.inverse_depth;
+  if (!(row.places.inverse_depth[x] >= 0.0F) ||
+      !contains(depths, row.places.x[x], row.places.y[x])) {
+    return -1.0F;
   }
-  return std::nullopt;
+  const int i = static_cast<int>(row.places.x[x]), j = static_cast<int>(row.places.y[x]);
+  const float remembered = depths(i, j);
+  return remembered < 0.0F ? -1.0F
+                           : warp_.inverse_depth_now(job_.grid_then.tangent(i, j), remembered);
 }
 
-/// Takes the depth that was found at the place instead of the guessed one, twice.
-auto Reprojector::follow(int x, int y, Place place) const -> std::optional<Found> {
-  for (int step = 0; step < 2; ++step) {
-    if (!inside(place)) return std::nullopt;
-    const float remembered = depth_at(place);
-    if (remembered < 0.0F) return std::nullopt;
-    const Vec2 tangent =
-        job_.grid_then.tangent(static_cast<int>(place.x), static_cast<int>(place.y));
-    const float depth = warp_.inverse_depth_now(tangent, remembered);
-    if (depth < 0.0F) return std::nullopt;
-    place = warp_.then(x, y, depth);
-    if (agrees(place)) return Found{place, depth};
+/// Between broken support samples a cell may lie at the depth of any of them, nearest first.
+void Reprojector::try_corners(Row& row) const {
+  std::vector<int> open;
+  std::vector<std::array<float, 4>> corners;
+  for (int x = 0; x < job_.view.grid.width(); ++x) {
+    if (row.reads.known[x] != Known::Nothing || !job_.support.broken_at(x, row.y)) continue;
+    open.push_back(x), corners.push_back(job_.support.corners(x, row.y));
   }
-  return std::nullopt;
-}
-
-bool Reprojector::inside(const Place& place) const {
-  return place.inverse_depth >= 0.0F && place.x >= 0.0F && place.y >= 0.0F &&
-         place.x < static_cast<float>(job_.then.color.width()) &&
-         place.y < static_cast<float>(job_.then.color.height());
-}
-
-float Reprojector::depth_at(const Place& place) const {
-  return job_.then.inverse_depth(static_cast<int>(place.x), static_cast<int>(place.y));
-}
-
-bool Reprojector::agrees(const Place& place) const {
-  if (!inside(place)) return false;
-  const float remembered = depth_at(place);
-  const float largest = std::max(remembered, place.inverse_depth);
-  return remembered >= 0.0F &&
-         std::abs(remembered - place.inverse_depth) <= job_.config.merge_threshold * largest;
-}
-
-void Reprojector::write(int x, int y, const std::optional<Found>& found) const {
-  if (!found) {
-    now_.inverse_depth(x, y) = Cache::kNothing;
-    return;
+  for (std::size_t corner = 0; corner < 4; ++corner) {
+    row.columns.clear(), row.tried_depth.clear();
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      if (row.reads.known[open[k]] != Known::Nothing) continue;
+      row.columns.push_back(open[k]), row.tried_depth.push_back(corners[k][corner]);
+    }
+    try_again(row);
   }
-  const int there_x = static_cast<int>(found->place.x), there_y = static_cast<int>(found->place.y);
-  now_.inverse_depth(x, y) = found->inverse_depth_now;
-  now_.info(x, y) = job_.then.info(there_x, there_y);
-  const Taps taps = taps_.at(x, y, {found->place.x, found->place.y});
-  now_.color(x, y) = filtered(taps, job_.then.color);
+}
+
+/// Cells that are found at the tried depths keep them.
+void Reprojector::try_again(Row& row) const {
+  if (row.columns.empty()) return;
+  row.tangent_x.clear();
+  for (const int x : row.columns) row.tangent_x.push_back(warp_.tangents_x()[x]);
+  warp_.row(row.y, row.tangent_x, row.tried_depth, row.tried_places);
+  judge(row.tangent_x, row.y, row.tried_places, row.tried_reads);
+  for (std::size_t k = 0; k < row.columns.size(); ++k) {
+    const auto x = static_cast<std::size_t>(row.columns[k]);
+    row.places.x[x] = row.tried_places.x[k], row.places.y[x] = row.tried_places.y[k];
+    row.places.inverse_depth[x] = row.tried_places.inverse_depth[k];
+    if (row.tried_reads.known[k] == Known::Nothing) continue;
+    row.reads.copy(x, row.tried_reads, k);
+    row.inverse_depth[x] = row.tried_depth[k];
+  }
+}
+
+void Reprojector::write(Row& row) const {
+  reconstruction::read_row(row.reads, job_.then.color, now_.color.row(row.y));
   if (now_.has_light()) {
-    now_.light(x, y) = filtered(taps, job_.then.light);
-    now_.reflectance(x, y) = filtered(taps, job_.then.reflectance);
+    reconstruction::read_row(row.reads, job_.then.light, now_.light.row(row.y));
+    reconstruction::read_row(row.reads, job_.then.reflectance, now_.reflectance.row(row.y));
   }
-  if (!now_.surface_id.empty()) now_.surface_id(x, y) = job_.then.surface_id(there_x, there_y);
-  if (!now_.normal.empty()) now_.normal(x, y) = job_.then.normal(there_x, there_y);
-  if (!now_.albedo.empty()) now_.albedo(x, y) = job_.then.albedo(there_x, there_y);
+  for (int x = 0; x < job_.view.grid.width(); ++x) {
+    const bool found = row.reads.known[x] != Known::Nothing;
+    now_.inverse_depth(x, row.y) = found ? row.inverse_depth[x] : Cache::kNothing;
+    if (found) copy_info(x, row.y, static_cast<std::size_t>(row.reads.within[x]));
+  }
+}
+
+/// The printed forms, and pictures of one column or row.
+void Reprojector::read_one_by_one(const Row& row) const {
+  for (int x = 0; x < job_.view.grid.width(); ++x) {
+    const float there_x = row.places.x[x], there_y = row.places.y[x];
+    const Plane<float>& depths = job_.then.inverse_depth;
+    now_.inverse_depth(x, row.y) = Cache::kNothing;
+    if (!(row.places.inverse_depth[x] >= 0.0F) || !contains(depths, there_x, there_y)) continue;
+    const int i = static_cast<int>(there_x), j = static_cast<int>(there_y);
+    if (depths(i, j) < 0.0F) continue;
+    now_.inverse_depth(x, row.y) = row.inverse_depth[x];
+    copy_info(x, row.y, static_cast<std::size_t>(j) * depths.width() + i);
+    const Taps taps = taps_.at(x, row.y, {there_x, there_y});
+    now_.color(x, row.y) = filtered(taps, job_.then.color);
+    if (!now_.has_light()) continue;
+    now_.light(x, row.y) = filtered(taps, job_.then.light);
+    now_.reflectance(x, row.y) = filtered(taps, job_.then.reflectance);
+  }
+}
+
+/// What is never filtered.
+void Reprojector::copy_info(int x, int y, std::size_t within) const {
+  now_.info(x, y) = job_.then.info.data()[within];
+  if (!now_.surface_id.empty()) now_.surface_id(x, y) = job_.then.surface_id.data()[within];
+  if (!now_.normal.empty()) now_.normal(x, y) = job_.then.normal.data()[within];
+  if (!now_.albedo.empty()) now_.albedo(x, y) = job_.then.albedo.data()[within];
 }
 
 }  // namespace macula::kernels::ray

@@ -4,14 +4,16 @@
 // the corners of the support quad, nearest first. Colours are filtered, cache info never.
 #pragma once
 
-#include <optional>
+#include <array>
+#include <span>
+#include <vector>
 
 #include "server/kernels/kernel.h"
 #include "server/kernels/ray/cache.h"
 #include "server/kernels/ray/foveated_config.h"
 #include "server/kernels/ray/history_filter.h"
 #include "server/kernels/ray/support.h"
-#include "server/reconstruction/row_warp.h"
+#include "server/reconstruction/history_rows.h"
 
 namespace macula::kernels::ray {
 
@@ -35,18 +37,29 @@ class Reprojector {
   void rows(int first, int last) const;
 
  private:
-  using Place = reconstruction::RowWarp::Place;
-  struct Found {
-    Place place;
-    float inverse_depth_now = 0.0F;
+  /// A row on its way, and room for the cells of it that are looked for again.
+  struct Row {
+    int y = 0;
+    std::vector<float> inverse_depth;  ///< where every cell lies now
+    reconstruction::RowPlaces places;
+    reconstruction::RowReads reads;
+
+    std::vector<int> columns;  ///< of the cells that are looked for again
+    std::vector<float> tangent_x, tried_depth;
+    reconstruction::RowPlaces tried_places;
+    reconstruction::RowReads tried_reads;
   };
 
-  std::optional<Found> find(int x, int y, const Place& guess, float guessed_depth) const;
-  std::optional<Found> follow(int x, int y, Place place) const;
-  bool inside(const Place& place) const;
-  float depth_at(const Place& place) const;
-  bool agrees(const Place& place) const;
-  void write(int x, int y, const std::optional<Found>& found) const;
+  bool in_vectors() const;
+  void judge(std::span<const float> tangent_x, int y, const reconstruction::RowPlaces& places,
+             reconstruction::RowReads& reads) const;
+  void follow(Row& row) const;
+  float followed_depth(const Row& row, int x) const;
+  void try_corners(Row& row) const;
+  void try_again(Row& row) const;
+  void write(Row& row) const;
+  void read_one_by_one(const Row& row) const;
+  void copy_info(int x, int y, std::size_t within) const;
 
   const ReprojectJob& job_;
   Cache& now_;

@@ -13,8 +13,7 @@ namespace {
 
 constexpr int kTableSize = 4096;
 
-float threshold(int x, int y, std::uint64_t frame, std::uint64_t seed, MaskKind kind) {
-  if (kind == MaskKind::BlueNoise) return sampling::BlueNoise::get().threshold(x, y, frame);
+float independent_threshold(int x, int y, std::uint64_t frame, std::uint64_t seed) {
   constexpr std::uint32_t kDimension = 0xC0FFU;
   const auto cell = static_cast<std::uint64_t>(y) << 32U | static_cast<std::uint32_t>(x);
   return sampling::sample(seed, frame, cell, kDimension);
@@ -41,6 +40,48 @@ std::vector<int> quad_starts(const SupportAxis& axis) {
   return starts;
 }
 
+/// body(cell) block by block within larger blocks, so that a packet's and a batch's cells are
+/// neighbours however sparse.
+template <class Body>
+void for_each_cell_nested(const image::Rect& strip, const Body& body) {
+  constexpr int kOuter = 64, kMiddle = 16, kInner = 4;
+  for_each_block(strip, kOuter, [&](const image::Rect& outer) {
+    for_each_block(outer, kMiddle, [&](const image::Rect& middle) {
+      for_each_block(middle, kInner, [&](const image::Rect& inner) {
+        for (int y = inner.y; y < inner.y + inner.height; ++y) {
+          for (int x = inner.x; x < inner.x + inner.width; ++x) body(image::Pixel{x, y});
+        }
+      });
+    });
+  });
+}
+
+/// The order of for_each_cell_nested.
+std::uint64_t nested_order(const image::Pixel& cell) {
+  const auto x = static_cast<std::uint64_t>(cell.x), y = static_cast<std::uint64_t>(cell.y);
+  const auto part = [](std::uint64_t v, int first, int bits) {
+    return v >> first & ((1U << bits) - 1U);
+  };
+  return y >> 6 << 44 | x >> 6 << 16 | part(y, 4, 2) << 14 | part(x, 4, 2) << 12 |
+         part(y, 2, 2) << 10 | part(x, 2, 2) << 8 | part(y, 0, 2) << 6 | part(x, 0, 2);
+}
+
+void append(const std::vector<std::vector<image::Pixel>>& parts, std::vector<image::Pixel>& list) {
+  std::size_t total = list.size();
+  for (const auto& part : parts) total += part.size();
+  list.reserve(total);
+  for (const auto& part : parts) list.insert(list.end(), part.begin(), part.end());
+}
+
+constexpr int kBandRows = 64;
+std::size_t band_count(int height) {
+  return static_cast<std::size_t>(height + kBandRows - 1) / kBandRows;
+}
+image::Rect band_of(std::size_t band, int width, int height) {
+  const int top = static_cast<int>(band) * kBandRows;
+  return {0, top, width, std::min(kBandRows, height - top)};
+}
+
 }  // namespace
 
 Probability::Probability(const FoveationMap::ViewInput& view, const foveation::RateModel& model)
@@ -52,166 +93,175 @@ Probability::Probability(const FoveationMap::ViewInput& view, const foveation::R
     const double half_sine = static_cast<double>(i) / kTableSize;
     rates_.push_back(static_cast<float>(model.rate(Radians{2.0 * std::asin(half_sine)})));
   }
+  for (int x = 0; x < view.grid.width(); ++x) {
+    tangent_x_.push_back(view.grid.tangent(x, 0).x);
+    cell_width_.push_back(view.grid.footprint(x, 0).x);
+  }
+}
+
+ProbabilityRow Probability::arguments(int y, int first, int count) const {
+  const auto begin = static_cast<std::size_t>(first), length = static_cast<std::size_t>(count);
+  return {gaze_,
+          view_.grid.tangent(0, y).y,
+          std::span(tangent_x_).subspan(begin, length),
+          std::span(cell_width_).subspan(begin, length),
+          view_.grid.footprint(0, y).y * per_area_,
+          rates_};
 }
 
 float Probability::at(int x, int y) const {
-  const Vec3 ray = view_.grid.ray(x, y);
-  const float cosine = glm::dot(gaze_, ray) / glm::length(ray);
-  const float half_sine = std::sqrt(std::clamp(0.5F - 0.5F * cosine, 0.0F, 1.0F));
-  const float rate = rates_[static_cast<std::size_t>(half_sine * kTableSize)];
-  const Vec2 cell = view_.grid.footprint(x, y);
-  // A cell of nominal size is 1 to rounding: as full as it can be.
-  const float area = std::max(cell.x * cell.y * per_area_, 0.0F);
-  return std::min(rate * (std::abs(area - 1.0F) < 1e-3F ? 1.0F : area), 1.0F);
+  float p = 0.0F;
+  probabilities(arguments(y, x, 1), {&p, 1});
+  return p;
 }
 
 void Probability::row(int y, std::span<float> out) const {
-  for (int x = 0; x < static_cast<int>(out.size()); ++x) out[x] = at(x, y);
+  probabilities(arguments(y, 0, static_cast<int>(out.size())), out);
 }
 
 SamplingMask::SamplingMask(const Support& support, int width, int height)
     : support_(support),
-      reasons_(width, height, Reason::None),
-      forgotten_(width, height, 0),
-      open_(support.broken.width(), support.broken.height(), 0) {}
+      quad_columns_(quad_starts(support.x)),
+      quad_rows_(quad_starts(support.y)),
+      reasons_(width, height, Reason::None) {}
 
-void SamplingMask::mark_support() {
-  for (const int y : support_.y.cells) {
-    for (const int x : support_.x.cells) reasons_(x, y) = Reason::Support;
-  }
+void SamplingMask::choose(const Probability& probability, std::uint64_t frame, std::uint64_t seed,
+                          const FoveatedConfig& config, TileScheduler& scheduler) {
+  const int width = reasons_.width(), height = reasons_.height();
+  std::vector<std::size_t> chance(band_count(height), 0);
+  scheduler.run(chance.size(), [&](std::size_t band) {
+    const image::Rect strip = band_of(band, width, height);
+    for (int y = strip.y; y < strip.y + strip.height; ++y) {
+      chance[band] += choose_row(probability, y, frame, seed, config.mask);
+    }
+  });
+  for (const std::size_t count : chance) counts_.chance += count;
+  list_chosen(scheduler);
 }
 
-void SamplingMask::draw(const Probability& probability, const Cache* remembered,
-                        std::uint64_t frame, std::uint64_t seed, const FoveatedConfig& config,
-                        TileScheduler& scheduler) {
-  const std::vector<int> starts = quad_starts(support_.y);
-  std::vector<MaskCounts> parts(starts.size() - 1);
-  scheduler.run(parts.size(), [&](std::size_t band) {
-    std::vector<float> p(reasons_.width());
-    MaskCounts& counts = parts[band];
-    for (int y = starts[band]; y < starts[band + 1]; ++y) {
-      probability.row(y, p);
-      for (int x = 0; x < reasons_.width(); ++x) {
-        Reason& reason = reasons_(x, y);
-        if (p[x] >= 1.0F) {
-          reason = reason == Reason::None ? Reason::Fovea : reason;
-        } else if (reason == Reason::None && threshold(x, y, frame, seed, config.mask) < p[x]) {
-          reason = Reason::Chance;
-        }
-        counts.chance += reason == Reason::Fovea || reason == Reason::Chance;
-        const bool forgotten = remembered == nullptr || !remembered->remembers(x, y);
-        if (reason != Reason::None) continue;
-        forgotten_(x, y) = forgotten;
-        counts.forgotten += forgotten;
-        if (!forgotten) ++open_(support_.x.left[x], support_.y.left[y]);
+std::size_t SamplingMask::choose_row(const Probability& probability, int y, std::uint64_t frame,
+                                     std::uint64_t seed, MaskKind kind) {
+  const std::span<Reason> row = reasons_.row(y);
+  std::vector<float> p(row.size());
+  probability.row(y, p);
+  std::size_t count = 0;
+  if (kind == MaskKind::BlueNoise) {
+    static_assert(sizeof(Reason) == 1 && static_cast<int>(Reason::Chance) == 1 &&
+                  static_cast<int>(Reason::Fovea) == 2);
+    count =
+        compare_thresholds(p, sampling::BlueNoise::get().row(y), sampling::BlueNoise::moved(frame),
+                           {reinterpret_cast<std::uint8_t*>(row.data()), row.size()});
+  } else {
+    for (int x = 0; x < reasons_.width(); ++x) {
+      const bool by_chance = independent_threshold(x, y, frame, seed) < p[x];
+      row[x] = p[x] >= 1.0F ? Reason::Fovea : by_chance ? Reason::Chance : Reason::None;
+      count += row[x] != Reason::None;
+    }
+  }
+  if (support_.y.chosen[y] == 0) return count;
+  for (const int x : support_.x.cells) {
+    if (row[x] != Reason::Fovea) row[x] = Reason::Support;
+  }
+  return count;
+}
+
+void SamplingMask::list_chosen(TileScheduler& scheduler) {
+  const int width = reasons_.width(), height = reasons_.height();
+  std::vector<std::vector<image::Pixel>> bands(band_count(height));
+  scheduler.run(bands.size(), [&](std::size_t band) {
+    for_each_cell_nested(band_of(band, width, height), [&](const image::Pixel& cell) {
+      if (reasons_(cell.x, cell.y) != Reason::None) bands[band].push_back(cell);
+    });
+  });
+  append(bands, chosen_);
+}
+
+/// Forgotten cells first, then quads by score.
+void SamplingMask::resample(const Cache* remembered, const Plane<float>& scores,
+                            std::uint64_t frame, const FoveatedConfig& config,
+                            TileScheduler& scheduler) {
+  list_forgotten(remembered, scheduler);
+  const double share = std::clamp(static_cast<double>(config.most_resampled), 0.0, 1.0);
+  const double most = share < 1.0 ? share / (1.0 - share) * static_cast<double>(chosen_.size())
+                                  : static_cast<double>(reasons_.size());
+  resample_forgotten(most, frame);
+  const double left = most - static_cast<double>(counts_.forgotten);
+  if (left > 0.0) resample_quads(scores, left, remembered, frame);
+  counts_.resampled = resampled_.size();
+  std::ranges::sort(resampled_, {}, nested_order);
+}
+
+void SamplingMask::list_forgotten(const Cache* remembered, TileScheduler& scheduler) {
+  const int width = reasons_.width(), height = reasons_.height();
+  std::vector<std::vector<image::Pixel>> bands(band_count(height));
+  scheduler.run(bands.size(), [&](std::size_t band) {
+    const image::Rect strip = band_of(band, width, height);
+    for (int y = strip.y; y < strip.y + strip.height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        if (reasons_(x, y) != Reason::None) continue;
+        if (remembered == nullptr || !remembered->remembers(x, y)) bands[band].push_back({x, y});
       }
     }
   });
-  for (const MaskCounts& part : parts) {
-    counts_.chance += part.chance;
-    counts_.forgotten += part.forgotten;
-  }
+  append(bands, unknown_);
+  counts_.forgotten = unknown_.size();
 }
 
-/// Forgotten cells first, then quads by score; equal scores in an order that changes every frame.
-SamplingMask::Cutoff SamplingMask::cutoff(const Plane<float>& scores, std::uint64_t frame,
-                                          const FoveatedConfig& config) const {
-  const std::size_t support = support_.x.cells.size() * support_.y.cells.size();
-  const auto chosen = static_cast<double>(counts_.chance + support);
-  const double share = std::clamp(static_cast<double>(config.most_resampled), 0.0, 1.0);
-  const double most =
-      share < 1.0 ? share / (1.0 - share) * chosen : static_cast<double>(reasons_.size());
-  const auto forgotten = static_cast<double>(counts_.forgotten);
-  Cutoff cut{1.0F, Plane<std::uint8_t>(scores.width(), scores.height(), 0)};
-  if (forgotten > most) {
-    cut.forgotten = static_cast<float>(most / forgotten);
-    return cut;
+void SamplingMask::resample_forgotten(double most, std::uint64_t frame) {
+  const auto forgotten = static_cast<double>(unknown_.size());
+  const float below = forgotten > most ? static_cast<float>(most / forgotten) : 1.0F;
+  std::vector<image::Pixel> unknown;
+  for (const image::Pixel& cell : unknown_) {
+    if (sampling::BlueNoise::get().threshold(cell.x, cell.y, frame) < below) {
+      reasons_(cell.x, cell.y) = Reason::Resampled;
+      resampled_.push_back(cell);
+    } else {
+      unknown.push_back(cell);
+    }
   }
+  unknown_ = std::move(unknown);
+}
+
+/// Equal scores in an order that changes every frame.
+void SamplingMask::resample_quads(const Plane<float>& scores, double most, const Cache* remembered,
+                                  std::uint64_t frame) {
   struct Quad {
     float score;
     std::uint64_t order;
-    std::size_t index;
+    int x, y;
     bool operator<(const Quad& other) const {
       return std::tie(other.score, order) < std::tie(score, other.order);
     }
   };
   std::vector<Quad> ranked;
-  for (std::size_t i = 0; i < scores.size(); ++i) {
-    if (scores.pixels()[i] > 0.0F && open_.pixels()[i] > 0) {
-      ranked.push_back({scores.pixels()[i], math::hash_combine(frame, i), i});
+  for (int y = 0; y < scores.height(); ++y) {
+    for (int x = 0; x < scores.width(); ++x) {
+      if (scores(x, y) <= 0.0F) continue;
+      const auto index = static_cast<std::uint64_t>(y) * scores.width() + x;
+      ranked.push_back({scores(x, y), math::hash_combine(frame, index), x, y});
     }
   }
   std::ranges::sort(ranked, std::less<>());
-  double left = most - forgotten;
   for (const Quad& quad : ranked) {
-    left -= open_.pixels()[quad.index];
-    if (left < 0.0) break;
-    cut.quads.pixels()[quad.index] = 1;
+    const std::vector<image::Pixel> open = open_cells(quad.x, quad.y, remembered);
+    most -= static_cast<double>(open.size());
+    if (most < 0.0) return;
+    for (const image::Pixel& cell : open) reasons_(cell.x, cell.y) = Reason::Resampled;
+    resampled_.insert(resampled_.end(), open.begin(), open.end());
   }
-  return cut;
 }
 
-void SamplingMask::resample(const Plane<float>& scores, std::uint64_t frame,
-                            const FoveatedConfig& config, TileScheduler& scheduler) {
-  const Cutoff cut = cutoff(scores, frame, config);
-  const std::vector<int> starts = quad_starts(support_.y);
-  std::vector<std::size_t> parts(starts.size() - 1);
-  scheduler.run(parts.size(), [&](std::size_t band) {
-    for (int y = starts[band]; y < starts[band + 1]; ++y) {
-      for (int x = 0; x < reasons_.width(); ++x) {
-        if (reasons_(x, y) != Reason::None) continue;
-        const bool wanted = forgotten_(x, y) != 0
-                                ? threshold(x, y, frame, 0, MaskKind::BlueNoise) < cut.forgotten
-                                : cut.quads(support_.x.left[x], support_.y.left[y]) != 0;
-        if (!wanted) continue;
-        reasons_(x, y) = Reason::Resampled;
-        ++parts[band];
-      }
+/// Cells of a quad that are remembered and not traced.
+std::vector<image::Pixel> SamplingMask::open_cells(int quad_x, int quad_y,
+                                                   const Cache* remembered) const {
+  std::vector<image::Pixel> open;
+  for (int y = quad_rows_[quad_y]; y < quad_rows_[quad_y + 1]; ++y) {
+    for (int x = quad_columns_[quad_x]; x < quad_columns_[quad_x + 1]; ++x) {
+      const bool known = remembered != nullptr && remembered->remembers(x, y);
+      if (known && reasons_(x, y) == Reason::None) open.push_back({x, y});
     }
-  });
-  for (const std::size_t part : parts) counts_.resampled += part;
-}
-
-std::vector<image::Pixel> SamplingMask::support_cells() const {
-  std::vector<image::Pixel> list;
-  list.reserve(support_.x.cells.size() * support_.y.cells.size());
-  for_each_block({0, 0, support_.x.count(), support_.y.count()}, 4, [&](const image::Rect& block) {
-    for (int j = block.y; j < block.y + block.height; ++j) {
-      for (int i = block.x; i < block.x + block.width; ++i) {
-        list.push_back({support_.x.cells[i], support_.y.cells[j]});
-      }
-    }
-  });
-  return list;
-}
-
-/// Blocks within blocks, so that a packet's and a batch's cells are neighbours however sparse.
-std::vector<image::Pixel> SamplingMask::other_cells(TileScheduler& scheduler) const {
-  constexpr int kOuter = 64, kMiddle = 16, kInner = 4;
-  const int width = reasons_.width(), height = reasons_.height();
-  std::vector<std::vector<image::Pixel>> bands(static_cast<std::size_t>(height + kOuter - 1) /
-                                               kOuter);
-  scheduler.run(bands.size(), [&](std::size_t band) {
-    const int top = static_cast<int>(band) * kOuter;
-    const image::Rect strip{0, top, width, std::min(kOuter, height - top)};
-    for_each_block(strip, kOuter, [&](const image::Rect& outer) {
-      for_each_block(outer, kMiddle, [&](const image::Rect& middle) {
-        for_each_block(middle, kInner, [&](const image::Rect& inner) {
-          for (int y = inner.y; y < inner.y + inner.height; ++y) {
-            for (int x = inner.x; x < inner.x + inner.width; ++x) {
-              const Reason reason = reasons_(x, y);
-              if (reason != Reason::None && reason != Reason::Support)
-                bands[band].push_back({x, y});
-            }
-          }
-        });
-      });
-    });
-  });
-  std::vector<image::Pixel> list;
-  list.reserve(counts_.chance + counts_.resampled);
-  for (const auto& band : bands) list.insert(list.end(), band.begin(), band.end());
-  return list;
+  }
+  return open;
 }
 
 }  // namespace macula::kernels::ray

@@ -11,12 +11,14 @@
 #include "server/kernels/kernel.h"
 #include "server/kernels/ray/cache.h"
 #include "server/kernels/ray/foveated_config.h"
+#include "server/kernels/ray/mask_row.h"
 #include "server/kernels/ray/support.h"
 
 namespace macula::kernels::ray {
 
-/// Why a cell is traced.
-enum class Reason : std::uint8_t { None, Support, Fovea, Chance, Resampled };
+/// Why a cell is traced: for the eye's sake every frame, by chance, as a support sample where
+/// neither holds, or because what is remembered of it failed.
+enum class Reason : std::uint8_t { None, Chance, Fovea, Support, Resampled };
 
 /// min(1, p) of every cell, from a table over sin(e / 2): a rate never rises with eccentricity, so
 /// taking the table's nearer end never undersamples. Immutable.
@@ -27,14 +29,17 @@ class Probability {
   void row(int y, std::span<float> out) const;
 
  private:
+  ProbabilityRow arguments(int y, int first, int count) const;
+
   const FoveationMap::ViewInput& view_;
   Vec3 gaze_;
   float per_area_;  ///< nominal pixels in a unit of the tangent plane
   std::vector<float> rates_;
+  std::vector<float> tangent_x_, cell_width_;  ///< by column
 };
 
 struct MaskCounts {
-  std::size_t chance = 0;  ///< fovea and chance
+  std::size_t chance = 0;  ///< fovea and chance, support or not
   std::size_t resampled = 0;
   std::size_t forgotten = 0;  ///< cells nothing is remembered of, before resampling
 };
@@ -43,36 +48,40 @@ class SamplingMask {
  public:
   SamplingMask(const Support& support, int width, int height);
 
-  /// Sets the support cells.
-  void mark_support();
-  /// Adds the cells that chance chooses; `remembered` may be null: nothing is.
-  void draw(const Probability& probability, const Cache* remembered, std::uint64_t frame,
-            std::uint64_t seed, const FoveatedConfig& config, TileScheduler& scheduler);
+  /// Sets the support cells and those that chance chooses.
+  void choose(const Probability& probability, std::uint64_t frame, std::uint64_t seed,
+              const FoveatedConfig& config, TileScheduler& scheduler);
   /// Adds cells nothing is remembered of and the quads with the highest scores > 0, all within the
-  /// budget. `scores` is of Support::broken's size and already weighed by acuity.
-  void resample(const Plane<float>& scores, std::uint64_t frame, const FoveatedConfig& config,
-                TileScheduler& scheduler);
+  /// budget. `remembered` may be null: nothing is. `scores` is of Support::broken's size and
+  /// already weighed by acuity.
+  void resample(const Cache* remembered, const Plane<float>& scores, std::uint64_t frame,
+                const FoveatedConfig& config, TileScheduler& scheduler);
 
   Reason reason(int x, int y) const { return reasons_(x, y); }
   bool traced(int x, int y) const { return reasons_(x, y) != Reason::None; }
   bool contains(int x, int y) const { return reasons_.contains(x, y); }
+  const Plane<Reason>& reasons() const { return reasons_; }
   const MaskCounts& counts() const { return counts_; }
-  /// The traced cells, near ones after each other: the support, and all others.
-  std::vector<image::Pixel> support_cells() const;
-  std::vector<image::Pixel> other_cells(TileScheduler& scheduler) const;
+  /// The cells of choose() and those of resample(), near ones after each other.
+  const std::vector<image::Pixel>& chosen() const { return chosen_; }
+  const std::vector<image::Pixel>& resampled() const { return resampled_; }
+  /// Cells that are neither traced nor remembered, row by row.
+  const std::vector<image::Pixel>& unknown() const { return unknown_; }
 
  private:
-  struct Cutoff {
-    float forgotten = 0.0F;     ///< thresholds below it are traced
-    Plane<std::uint8_t> quads;  ///< 1 where a quad's cells are
-  };
-  Cutoff cutoff(const Plane<float>& scores, std::uint64_t frame,
-                const FoveatedConfig& config) const;
+  std::size_t choose_row(const Probability& probability, int y, std::uint64_t frame,
+                         std::uint64_t seed, MaskKind kind);
+  void list_chosen(TileScheduler& scheduler);
+  void list_forgotten(const Cache* remembered, TileScheduler& scheduler);
+  void resample_forgotten(double most, std::uint64_t frame);
+  void resample_quads(const Plane<float>& scores, double most, const Cache* remembered,
+                      std::uint64_t frame);
+  std::vector<image::Pixel> open_cells(int quad_x, int quad_y, const Cache* remembered) const;
 
   const Support& support_;
+  std::vector<int> quad_columns_, quad_rows_;  ///< first cells of the quads, and the end
   Plane<Reason> reasons_;
-  Plane<std::uint8_t> forgotten_;
-  Plane<std::uint16_t> open_;  ///< cells of a quad that are remembered and not traced
+  std::vector<image::Pixel> chosen_, resampled_, unknown_;
   MaskCounts counts_;
 };
 

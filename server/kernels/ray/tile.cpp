@@ -104,6 +104,7 @@ class TileRun {
     points_.clear();
     points_.sample = static_cast<std::uint32_t>(s);
     const bool guide = s == context_.pattern.guide();
+    find_surfaces();
     for (std::size_t i = 0; i < count_; ++i) {
       if (hits_.hit(static_cast<int>(i))) {
         add_lit_point(i, guide);
@@ -115,18 +116,40 @@ class TileRun {
     report_.shade_ms += ms_since(begin);
   }
 
+  /// Points lie anywhere in memory: everything is sent for before anything is waited for.
+  void find_surfaces() {
+    const shading::SurfaceTable& surfaces = context_.scene.surfaces();
+    const auto for_each_hit = [&](const auto& body) {
+      for (std::size_t i = 0; i < count_; ++i) {
+        if (hits_.hit(static_cast<int>(i))) body(i, hits_.at(static_cast<int>(i)));
+      }
+    };
+    if (context_.scene.triangles().packet_width() > 0) {
+      for_each_hit([&](std::size_t, const visibility::Hit& hit) {
+        surfaces.fetch_triangle(hit.instance, hit.triangle);
+      });
+      for_each_hit([&](std::size_t, const visibility::Hit& hit) {
+        surfaces.fetch_vertices(hit.instance, hit.triangle);
+      });
+    }
+    for_each_hit([&](std::size_t i, const visibility::Hit& hit) {
+      const Vec3 ray = rays_.direction(static_cast<int>(i));
+      const DVec3 point = context_.view.world_from_view.position + DVec3(hit.t * ray);
+      ShadingRequest& request = requests_[i];
+      request = {context_.scene.surface(hit, point), -glm::normalize(ray), uv_per_meter(i),
+                 footprint_m(i)};
+      context_.scene.materials().fetch(request.surface.material, request.surface.uv,
+                                       request.footprint().uv);
+    });
+  }
+
   void add_lit_point(std::size_t i, bool guide) {
-    const auto ray = static_cast<int>(i);
-    const shading::Surface surface =
-        context_.scene.surface(hits_.at(ray), context_.view.world_from_view.position +
-                                                  DVec3(hits_.t[i] * rays_.direction(ray)));
-    const Vec3 direction = glm::normalize(rays_.direction(ray));
-    const ShadingRequest request{surface, -direction, uv_per_meter(i), footprint_m(i)};
-    ShadedPoint shaded = shade_point(request, context_.scene, context_.config);
+    const ShadingRequest& request = requests_[i];
+    const ShadedPoint shaded = shade_point(request, context_.scene, context_.config);
     radiance_[i] = shaded.emission;
     if (guide) write_guide_hit(i, request, shaded.reflector.frame());
     owner_[points_.count] = static_cast<std::uint16_t>(i);
-    points_.push(surface, shaded.reflector, cells_[i].key);
+    points_.push(request.surface, shaded.reflector, cells_[i].key);
     if (context_.cut_nodes != nullptr) {
       points_.cut_nodes.push_back((*context_.cut_nodes)(cells_[i].x, cells_[i].y));
     }
@@ -175,6 +198,7 @@ class TileRun {
       }
       Cell& cell = cells_[i];
       cell.sum += radiance_[i];
+      if ((context_.wanted & kVariance) == 0) continue;
       const double luminance = image::luminance(radiance_[i]);
       cell.luminance_sum += luminance;
       cell.luminance_square_sum += luminance * luminance;
@@ -250,6 +274,7 @@ class TileRun {
   visibility::RayStream rays_;
   visibility::HitStream hits_;
   LitPoints points_{};
+  std::array<ShadingRequest, kCells> requests_;  ///< of the rays that hit
   std::array<std::uint16_t, kCells> owner_;
   std::array<Rgb, kCells> radiance_, lit_radiance_, sampled_;
 };

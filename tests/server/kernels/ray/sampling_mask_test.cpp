@@ -21,7 +21,7 @@ struct Drawn {
   double expected = 0.0;  ///< sum of p
 };
 
-/// Everything but the support is drawn in a number of frames.
+/// What chance draws in a number of frames.
 Drawn draw(const foveation::RateModel& rate, MaskKind kind, int frames) {
   const auto screen = display(256);
   const PixelGrid grid = foveation::make_uniform_grid(screen);
@@ -39,7 +39,7 @@ Drawn draw(const foveation::RateModel& rate, MaskKind kind, int frames) {
   const Support support(grid, 4.61F);
   for (int frame = 0; frame < frames; ++frame) {
     SamplingMask mask(support, grid.width(), grid.height());
-    mask.draw(probability, nullptr, static_cast<std::uint64_t>(frame), 1, config, scheduler);
+    mask.choose(probability, static_cast<std::uint64_t>(frame), 1, config, scheduler);
     drawn.traced += mask.counts().chance;
   }
   drawn.expected *= frames;
@@ -71,8 +71,7 @@ TEST(SamplingMask, EveryCellOfTheFoveaIsTraced) {
   const Support support(grid, 4.61F);
   SamplingMask mask(support, grid.width(), grid.height());
   TileScheduler scheduler(2);
-  mask.mark_support();
-  mask.draw(probability, nullptr, 7, 1, {}, scheduler);
+  mask.choose(probability, 7, 1, {}, scheduler);
   for (int y = 0; y < grid.height(); ++y) {
     for (int x = 0; x < grid.width(); ++x) {
       const Radians e = foveation::eccentricity(gaze.direction, grid.ray(x, y));
@@ -119,12 +118,11 @@ TEST(SamplingMask, ResamplingStaysWithinItsBudgetAndPrefersTheForgotten) {
   TileScheduler scheduler(2);
   FoveatedConfig config;
   SamplingMask mask(support, grid.width(), grid.height());
-  mask.mark_support();
-  mask.draw(probability, &cache, 3, 1, config, scheduler);
+  mask.choose(probability, 3, 1, config, scheduler);
   const Plane<float> everything(support.broken.width(), support.broken.height(), 2.0F);
-  mask.resample(everything, 3, config, scheduler);
+  mask.resample(&cache, everything, 3, config, scheduler);
   const auto& counts = mask.counts();
-  const double chosen = static_cast<double>(counts.chance + mask.support_cells().size());
+  const double chosen = static_cast<double>(mask.chosen().size());
   const double share =
       static_cast<double>(counts.resampled) / (static_cast<double>(counts.resampled) + chosen);
   EXPECT_LE(share, config.most_resampled);

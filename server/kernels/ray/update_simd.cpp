@@ -1,0 +1,235 @@
+// The cache update, compiled for every instruction set: colours go through vectors of four.
+#include <algorithm>
+#include <cmath>
+
+#include "server/kernels/ray/blend.h"
+#include "server/kernels/ray/merge.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "server/kernels/ray/update_simd.cpp"
+#include "hwy/foreach_target.h"  // IWYU pragma: keep
+#include "hwy/highway.h"
+
+#ifndef MACULA_RAY_UPDATE_CHROMA
+#define MACULA_RAY_UPDATE_CHROMA
+namespace macula::kernels::ray {
+
+inline Rgb ycocg(const Rgb& c) {
+  return {0.25F * c.x + 0.5F * c.y + 0.25F * c.z, 0.5F * c.x - 0.5F * c.z,
+          -0.25F * c.x + 0.5F * c.y - 0.25F * c.z};
+}
+inline Rgb rgb_from_ycocg(const Rgb& c) {
+  const float base = c.x - c.z;
+  return {base + c.y, c.x + c.z, base - c.y};
+}
+inline Rgb fresh_color(const ViewBuffers& fresh, int x, int y) {
+  const Rgb radiance = fresh.radiance(x, y);
+  if (fresh.light.empty()) return radiance;
+  return glm::max(radiance - fresh.light(x, y) * fresh.reflectance(x, y), Rgb{0.0F});
+}
+
+}  // namespace macula::kernels::ray
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace macula::kernels::ray::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Four = hn::FixedTag<float, 4>;
+
+/// What each colour channel brings to YCoCg.
+HWY_ALIGN constexpr float kFromRed[4] = {0.25F, 0.5F, -0.25F, 0.0F};
+HWY_ALIGN constexpr float kFromGreen[4] = {0.5F, 0.0F, 0.5F, 0.0F};
+HWY_ALIGN constexpr float kFromBlue[4] = {0.25F, -0.5F, -0.25F, 0.0F};
+
+/// Least and greatest inverse depth among known cells.
+struct DepthRange {
+  float low = INFINITY, high = 0.0F;
+
+  void add(float inverse_depth) {
+    if (inverse_depth < 0.0F) return;
+    low = std::min(low, inverse_depth), high = std::max(high, inverse_depth);
+  }
+};
+
+/// Of a cell and its eight neighbours.
+HWY_INLINE HWY_ATTR DepthRange depths_around(const Plane<float>& depths, int x, int y) {
+  const Four d;
+  DepthRange range;
+  if (x < 1 || y < 1 || x + 2 >= depths.width() || y + 1 >= depths.height()) {
+    for (int j = y - 1; j <= y + 1; ++j) {
+      for (int i = x - 1; i <= x + 1; ++i) {
+        if (depths.contains(i, j)) range.add(depths(i, j));
+      }
+    }
+    return range;
+  }
+  const auto infinite = hn::Set(d, INFINITY);
+  auto low = infinite, high = hn::Zero(d);
+  for (int j = y - 1; j <= y + 1; ++j) {
+    const auto row = hn::LoadU(d, &depths(x - 1, j));
+    low = hn::Min(low, hn::IfThenElse(hn::Lt(row, hn::Zero(d)), infinite, row));
+    high = hn::Max(high, row);
+  }
+  HWY_ALIGN float lows[4], highs[4];
+  hn::Store(low, d, lows), hn::Store(high, d, highs);
+  return {std::min({lows[0], lows[1], lows[2]}), std::max({highs[0], highs[1], highs[2]})};
+}
+
+/// One cell's part of the cache update.
+class Update {
+ public:
+  Update(const MergeJob& job, Cache& cache, Plane<Rgb>& radiance)
+      : job_(job), cache_(cache), radiance_(radiance) {}
+
+  HWY_ATTR void cell(int x, int y) {
+    CacheInfo& info = cache_.info(x, y);
+    const Reason reason = job_.mask.reason(x, y);
+    if (!cache_.remembers(x, y) || replaces(reason) || !same_surface(x, y)) {
+      replace(x, y, info);
+    } else {
+      blend(x, y, reason, info);
+    }
+    info.touched = job_.clock;
+    show(x, y, info);
+    if (!cache_.surface_id.empty()) cache_.surface_id(x, y) = job_.fresh.surface_id(x, y);
+    if (!cache_.normal.empty()) cache_.normal(x, y) = job_.fresh.normal(x, y);
+    if (!cache_.albedo.empty()) cache_.albedo(x, y) = job_.fresh.albedo(x, y);
+  }
+
+  /// Sends for what cell() reads first.
+  void fetch(int x, int y) const {
+    __builtin_prefetch(&cache_.color(x, y)), __builtin_prefetch(&cache_.info(x, y));
+    __builtin_prefetch(&cache_.inverse_depth(x, y)), __builtin_prefetch(&job_.fresh.radiance(x, y));
+    __builtin_prefetch(&job_.fresh.depth_m(x, y)), __builtin_prefetch(&radiance_(x, y));
+    if (!cache_.has_light()) return;
+    __builtin_prefetch(&cache_.light(x, y)), __builtin_prefetch(&cache_.reflectance(x, y));
+    __builtin_prefetch(&job_.fresh.light(x, y)), __builtin_prefetch(&job_.fresh.reflectance(x, y));
+  }
+
+ private:
+  bool replaces(Reason reason) const {
+    return job_.config.fresh == FreshRule::Replace &&
+           (reason == Reason::Fovea || reason == Reason::Resampled);
+  }
+
+  /// Whether the new sample lies within the depths remembered of the cell and its neighbours: what
+  /// an edge pixel shows changes with the jitter. The printed test holds it against its own alone.
+  HWY_ATTR bool same_surface(int x, int y) const {
+    const float fresh = 1.0F / job_.fresh.depth_m(x, y);
+    DepthRange range;
+    if (job_.config.fresh == FreshRule::Replace) {
+      range.add(cache_.inverse_depth(x, y));
+    } else {
+      range = depths_around(cache_.inverse_depth, x, y);
+    }
+    const float slack = job_.config.merge_threshold;
+    return fresh >= range.low - slack * range.low &&
+           fresh <= range.high + slack * std::max(range.high, fresh);
+  }
+
+  void replace(int x, int y, CacheInfo& info) {
+    cache_.color(x, y) = Texel(fresh_color(job_.fresh, x, y));
+    info.samples = info.light_samples = 1.0F;
+    if (!cache_.has_light()) return;
+    cache_.light(x, y) = Texel(job_.fresh.light(x, y));
+    cache_.reflectance(x, y) = Texel(job_.fresh.reflectance(x, y));
+  }
+
+  HWY_ATTR void blend(int x, int y, Reason reason, CacheInfo& info) {
+    const std::uint32_t age = job_.clock - info.touched;
+    const bool full_rate = reason == Reason::Fovea && age > 0;
+    const float limit = full_rate ? job_.config.fovea_weight : job_.color_limits.at(age);
+    const float alpha = weight(info.samples, limit, job_.config.weight);
+    clip(x, y, reason, cache_.color(x, y));
+    mix(fresh_color(job_.fresh, x, y), alpha, cache_.color(x, y));
+    info.samples = samples_after(info.samples, alpha);
+    if (!cache_.has_light()) return;
+    const float light_alpha =
+        weight(info.light_samples, job_.light_limits.at(age), job_.config.weight);
+    mix(job_.fresh.reflectance(x, y), alpha, cache_.reflectance(x, y));
+    mix(job_.fresh.light(x, y), light_alpha, cache_.light(x, y));
+    info.light_samples = samples_after(info.light_samples, light_alpha);
+  }
+
+  static void mix(const Rgb& fresh, float alpha, Texel& remembered) {
+    remembered.r += alpha * (fresh.x - remembered.r);
+    remembered.g += alpha * (fresh.y - remembered.g);
+    remembered.b += alpha * (fresh.z - remembered.b);
+  }
+
+  /// Holds what is remembered within the spread of the new samples around, where there are three or
+  /// more. Nothing is wrong with a memory of what did not move.
+  HWY_ATTR void clip(int x, int y, Reason reason, Texel& remembered) const {
+    if (job_.config.clipping == Clipping::Off || job_.motion == Motion::Still) return;
+    const Four d;
+    auto sum = hn::Zero(d), squares = hn::Zero(d);
+    int count = 0;
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, job_.chroma.height() - 1); ++j) {
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, job_.chroma.width() - 1); ++i) {
+        if (!job_.mask.traced(i, j)) continue;
+        const auto value = hn::Load(d, &job_.chroma(i, j).r);
+        sum = hn::Add(sum, value), squares = hn::MulAdd(value, value, squares), ++count;
+      }
+    }
+    if (count < 3) return;
+    const auto share = hn::Set(d, 1.0F / static_cast<float>(count));
+    const auto mean = hn::Mul(sum, share);
+    const auto variance = hn::Max(hn::NegMulAdd(mean, mean, hn::Mul(squares, share)), hn::Zero(d));
+    const float gamma = reason == Reason::Fovea ? job_.config.clip_fovea : job_.config.clip_outside;
+    const auto reach = hn::Mul(hn::Set(d, gamma), hn::Sqrt(variance));
+    // Numbers are broadcast one by one: a vector load of what scalars just stored would wait.
+    const auto value =
+        hn::MulAdd(hn::Set(d, remembered.r), hn::Load(d, kFromRed),
+                   hn::MulAdd(hn::Set(d, remembered.g), hn::Load(d, kFromGreen),
+                              hn::Mul(hn::Set(d, remembered.b), hn::Load(d, kFromBlue))));
+    HWY_ALIGN float held[4];
+    hn::Store(hn::Min(hn::Max(value, hn::Sub(mean, reach)), hn::Add(mean, reach)), d, held);
+    remembered = Texel(rgb_from_ycocg({held[0], held[1], held[2]}));
+  }
+
+  /// A cell without a past shows its sample to the bit.
+  void show(int x, int y, const CacheInfo& info) {
+    if (info.samples == 1.0F && info.light_samples == 1.0F) {
+      radiance_(x, y) = job_.fresh.radiance(x, y);
+      return;
+    }
+    Rgb color = cache_.color(x, y).rgb();
+    if (cache_.has_light()) color += cache_.reflectance(x, y).rgb() * cache_.light(x, y).rgb();
+    radiance_(x, y) = color;
+  }
+
+  const MergeJob& job_;
+  Cache& cache_;
+  Plane<Rgb>& radiance_;
+};
+
+HWY_ATTR void update_all(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
+                         Plane<Rgb>& radiance) {
+  Update update(job, cache, radiance);
+  constexpr std::size_t kAhead = 6;  // cells: about as long as memory takes
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i + kAhead < cells.size()) update.fetch(cells[i + kAhead].x, cells[i + kAhead].y);
+    update.cell(cells[i].x, cells[i].y);
+  }
+}
+
+}  // namespace macula::kernels::ray::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace macula::kernels::ray {
+
+HWY_EXPORT(update_all);
+
+Texel chroma_of(const ViewBuffers& fresh, int x, int y) {
+  return Texel(ycocg(fresh_color(fresh, x, y)));
+}
+
+void update_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
+                  Plane<Rgb>& radiance) {
+  HWY_DYNAMIC_DISPATCH(update_all)(job, cells, cache, radiance);
+}
+
+}  // namespace macula::kernels::ray
+#endif

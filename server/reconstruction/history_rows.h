@@ -1,0 +1,61 @@
+// Reading an earlier picture row by row, in vectors: which of a row's places in it show the surface
+// that is looked for, and what its cells show between their centres. Pure; safe from any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/reconstruction/row_warp.h"
+#include "server/reconstruction/texel.h"
+#include "shared/image/plane.h"
+
+namespace macula::reconstruction {
+
+/// What is known of a place in the earlier picture.
+enum class Known : std::uint8_t {
+  Nothing,   ///< outside, or something else lies there, or nothing is known
+  Bilinear,  ///< its cell and maybe others of the four around it
+  Bicubic,   ///< all of the sixteen cells around it, where that many are asked for
+};
+
+/// How a row's cells are to be read; each plane has the row's width.
+struct RowReads {
+  std::vector<Known> known;
+  std::vector<std::int32_t> first;   ///< index of the upper left of the four cells around a place
+  std::vector<float> across, down;   ///< fractions of the way from its centre to the next ones
+  std::vector<float> share[4];       ///< of the four cells, row by row; 0 for unknown ones
+  std::vector<std::int32_t> within;  ///< index of the cell that contains a place; outside: any
+
+  void resize(std::size_t width);
+  /// Makes entry i as `from` has entry k.
+  void copy(std::size_t i, const RowReads& from, std::size_t k);
+};
+
+/// Directions within an angle of `axis`: those are worth bicubic reads.
+struct Cone {
+  Vec3 axis{0.0F, 0.0F, -1.0F};  ///< unit, view space
+  float squared_cosine = 1.0F;   ///< of the angle, below 90 degrees; 1: no direction
+};
+
+struct ReadJob {
+  /// Of the earlier picture, at least 2 x 2; 1/m: 0 infinitely far, negative where nothing is
+  /// known.
+  const image::Plane<float>& inverse_depth;
+  float tolerance = 0.02F;  ///< how far depths may differ, relative to the nearer one
+  Cone sharp;
+};
+
+/// `row` is the y tangent of the row whose places these are, `tangent_x` its cells' x tangents.
+void judge_places(const ReadJob& job, const RowPlaces& places, std::span<const float> tangent_x,
+                  float tangent_y, RowReads& reads);
+
+/// The earlier picture at every place that is known; other cells of `row` stay as they are. Bicubic
+/// reads (Catmull-Rom) are held within what the four middle cells show.
+void read_row(const RowReads& reads, const image::Plane<Texel>& picture, std::span<Texel> row);
+
+/// shown[i] = color[i] + reflectance[i] * light[i]; the latter two may both be empty.
+void show_row(std::span<const Texel> color, std::span<const Texel> light,
+              std::span<const Texel> reflectance, std::span<Rgb> shown);
+
+}  // namespace macula::reconstruction
