@@ -17,7 +17,8 @@ struct Picture {
 
   Picture() {
     for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) color(x, y) = Texel(at(x + 0.5F, y + 0.5F));
+      for (int x = 0; x < kWidth; ++x)
+        color(x, y) = Texel(at(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F));
     }
   }
   static Rgb at(float x, float y) { return {x, 2.0F * y, x - y}; }
