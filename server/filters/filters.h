@@ -1,6 +1,6 @@
 // Filters on planes, each by OpenCV; the only room that knows it. Values are finite; pixels beyond
-// the border repeat (Sobel, median) or mirror (all others) those within. Pure; safe from any thread; runs
-// on the calling thread alone.
+// the border repeat (Sobel, median) or mirror (all others) those within. Pure; safe from any
+// thread; runs on the calling thread alone.
 #pragma once
 
 #include "shared/image/color.h"
@@ -32,7 +32,8 @@ struct LaplacianLevels {
 };
 LaplacianLevels laplacian_levels(const Plane<float>& plane);
 
-/// To another size by bicubic interpolation (a = -0.75), which may overshoot; pixel centres at + 0.5.
+/// To another size by bicubic interpolation (a = -0.75), which may overshoot; pixel centres at +
+/// 0.5.
 Plane<float> resize_bicubic(const Plane<float>& plane, int width, int height);
 
 }  // namespace macula::filters

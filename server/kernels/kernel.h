@@ -46,6 +46,9 @@ struct FrameReport {
          shade_ms = 0.0;  ///< thread-summed shares of the frame where a kernel has them
   std::vector<std::string> biased_shortcuts;  ///< empty in mode exact
 
+  // Cuts of a light tree: nodes whose light was found by a walk, or taken from other cells' draws.
+  std::uint64_t walked_nodes = 0, taken_nodes = 0;
+
   // Methods that trace some cells and remember the others; thread-summed CPU times.
   std::uint64_t resampled_cells = 0;  ///< traced because memory failed or was contradicted
   std::uint64_t filled_cells = 0;     ///< neither traced nor remembered
@@ -63,6 +66,7 @@ struct FrameReport {
     non_finite_samples += part.non_finite_samples;
     field_evaluations += part.field_evaluations, field_operations += part.field_operations;
     unfinished_rays += part.unfinished_rays;
+    walked_nodes += part.walked_nodes, taken_nodes += part.taken_nodes;
     trace_ms += part.trace_ms, shade_ms += part.shade_ms;
     resampled_cells += part.resampled_cells, filled_cells += part.filled_cells;
     sample_ms += part.sample_ms, reproject_ms += part.reproject_ms, mask_ms += part.mask_ms;

@@ -17,15 +17,15 @@ std::uint32_t reverse_bits(std::uint32_t x) {
   return __builtin_bswap32(x);
 }
 
-/// In [0, 1) with 53 bits, since a walk through a million lights uses up twenty: van der Corput's
-/// sequence, its digits flipped at random.
-double stratified(sampling::SampleKey key, std::uint32_t dimension, std::uint32_t sample) {
-  const std::uint64_t flips = math::hash_combine(key.value, dimension);
+}  // namespace
+
+/// 53 bits, since a walk through a million lights uses up twenty: van der Corput's sequence, its
+/// digits flipped at random.
+double leaf_number(sampling::SampleKey key, std::uint32_t round, std::uint32_t sample) {
+  const std::uint64_t flips = math::hash_combine(key.value, kLeafDimension + round);
   const std::uint64_t bits = (std::uint64_t{reverse_bits(sample)} << 32) ^ flips;
   return static_cast<double>(bits >> 11) * 0x1p-53;
 }
-
-}  // namespace
 
 void CutSampler::cut(const sampling::Vec3Batch& points, const sampling::Vec3Batch& normals,
                      std::size_t count, std::span<const std::uint16_t> most) {
@@ -48,7 +48,6 @@ void CutSampler::cut(const sampling::Vec3Batch& points, const sampling::Vec3Batc
 void CutSampler::draw(std::size_t round, std::span<const sampling::SampleKey> keys,
                       std::uint32_t sample, LightDraws& out) const {
   MACULA_DCHECK(keys.size() >= count_);
-  const auto dimension = kLeafDimension + static_cast<std::uint32_t>(round);
   std::array<Descent, sampling::kBatch> descents;
   std::array<std::size_t, sampling::kBatch> receiver_of;
   std::size_t walks = 0;
@@ -57,7 +56,8 @@ void CutSampler::draw(std::size_t round, std::span<const sampling::SampleKey> ke
     out.inverse_probability.at[i] = 0.0F;
     const std::size_t node = first_[i] + round;
     if (node >= first_[i + 1]) continue;
-    descents[walks] = {receivers_[i], nodes_[node], stratified(keys[i], dimension, sample)};
+    descents[walks] = {receivers_[i], nodes_[node],
+                       leaf_number(keys[i], static_cast<std::uint32_t>(round), sample)};
     receiver_of[walks++] = i;
   }
   std::array<LeafChoice, sampling::kBatch> choices;

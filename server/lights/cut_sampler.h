@@ -14,6 +14,10 @@
 
 namespace macula::lights {
 
+/// Which leaf a walk from the `round`-th node of a cut ends at, in [0, 1) with 53 bits; stratified
+/// over `sample`.
+double leaf_number(sampling::SampleKey key, std::uint32_t round, std::uint32_t sample);
+
 class CutSampler {
  public:
   /// `most_nodes` >= 1: of one receiver's cut.

@@ -25,8 +25,11 @@ struct Receiver {
 };
 
 /// NearAndFar: the rule above. NearOrIntensity: Yuksel 2019, A / dmin^2, but A alone wherever x is
-/// nearer to one of the children than that child's diagonal.
-enum class WeightRule { NearAndFar, NearOrIntensity };
+/// nearer to one of the children than that child's diagonal. Defensive: the rule above with a share
+/// of kDefensiveShare by intensity alone, which every light has a chance by, seen from x or not: a
+/// light drawn here may be asked elsewhere.
+enum class WeightRule { NearAndFar, NearOrIntensity, Defensive };
+inline constexpr float kDefensiveShare = 0.05F;
 
 struct LeafChoice {
   NodeId leaf = 0;           ///< 0: no light below the node reaches the receiver
@@ -42,6 +45,7 @@ struct NodeView {
 /// Nodes that together hold every light which can reach a receiver, each light once. Keeps memory.
 struct LightCut {
   std::vector<NodeId> nodes;
+  std::vector<NodeId> dark;  ///< nodes with lights none of which can reach the receiver
 
   // ---- while it is made ----
   struct Candidate {  ///< may still be split
@@ -65,13 +69,13 @@ class LightWalk {
   /// The cut's nodes: begins with the root and splits the node with the largest bound
   ///   A / max(dmin^2, (least_distance x radius of all lights)^2)
   /// until there are `most_nodes` or only leaves; nodes whose lights cannot reach the receiver are
-  /// dropped. Ties go to the smaller id. The bound is all that is asked, no sample: an estimate
-  /// over the nodes stays unbiased.
+  /// dropped, into `dark`. Ties go to the smaller id. The bound is all that is asked, no sample: an
+  /// estimate over the nodes stays unbiased.
   void cut(std::size_t most_nodes, LightCut& cut) const;
   /// A leaf below `node` for u in [0, 1).
   LeafChoice choose(NodeId node, double u) const;
-  /// How likely choose(node) is to end at `leaf`, which lies below it.
-  double probability(NodeId node, NodeId leaf) const;
+  /// How likely choose(node) is to end at or below `inner`, which is a node below it or itself.
+  double probability(NodeId node, NodeId inner) const;
   NodeView view(NodeId node) const;
 
  private:

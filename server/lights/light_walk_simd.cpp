@@ -230,6 +230,27 @@ HWY_INLINE HWY_ATTR void near_or_intensity(const Views& views, const NodeBlock& 
   out.total = total_of(near);
 }
 
+/// After near_and_far, whose weights are those of `below` alone.
+HWY_INLINE HWY_ATTR void defend(const NodeBlock& block, const Mask (&below)[kParts], Chances& out) {
+  const Floats d;
+  FloatVec intensity[kParts];
+  for (std::size_t k = 0; k < kParts; ++k) {
+    // Nodes without a light hold what was there before, be it not a number.
+    const auto all = hn::Load(d, block.intensity + k * hn::Lanes(d));
+    intensity[k] = hn::IfThenElseZero(hn::And(below[k], hn::Gt(all, hn::Zero(d))), all);
+  }
+  const float total = total_of(intensity);
+  if (!(total > 0.0F)) return;
+  const float kept = out.total > 0.0F ? 1.0F - kDefensiveShare : 0.0F;
+  const auto scale = hn::Set(d, (1.0F - kept) / total), keep = hn::Set(d, kept);
+  for (std::size_t k = 0; k < kParts; ++k) {
+    float* at = out.at + k * hn::Lanes(d);
+    const auto before = kept > 0.0F ? hn::Mul(keep, hn::Load(d, at)) : hn::Zero(d);
+    hn::Store(hn::MulAdd(scale, intensity[k], before), d, at);
+  }
+  out.total = 1.0F;
+}
+
 /// How a walk may go on from `node`.
 struct Step {
   std::size_t block, first, count;
@@ -251,16 +272,18 @@ HWY_INLINE HWY_ATTR void chances_below(const LightTree& tree, const Eye& eye, We
   look(tree, eye, block, views);
   const auto begin = hn::Set(d, static_cast<float>(step.first));
   const auto end = hn::Set(d, static_cast<float>(step.first + step.count));
+  Mask below[kParts];
   for (std::size_t k = 0; k < kParts; ++k) {
     const auto id = hn::Iota(d, static_cast<float>(k * hn::Lanes(d)));
-    const auto below = hn::And(hn::Ge(id, begin), hn::Lt(id, end));
-    views.weight[k] = hn::IfThenElseZero(below, views.weight[k]);
+    below[k] = hn::And(hn::Ge(id, begin), hn::Lt(id, end));
+    views.weight[k] = hn::IfThenElseZero(below[k], views.weight[k]);
   }
-  if (rule == WeightRule::NearAndFar) {
-    near_and_far(views, out);
-  } else {
+  if (rule == WeightRule::NearOrIntensity) {
     near_or_intensity(views, block, out);
+    return;
   }
+  near_and_far(views, out);
+  if (rule == WeightRule::Defensive) defend(block, below, out);
 }
 
 // ---- walks ----
@@ -407,18 +430,24 @@ HWY_ATTR void choose_leaves(const LightTree& tree, WeightRule rule,
   }
 }
 
-HWY_ATTR double leaf_probability(const LightTree& tree, const Receiver& receiver, WeightRule rule,
-                                 NodeId node, NodeId leaf) {
+HWY_ATTR double node_probability(const LightTree& tree, const Receiver& receiver, WeightRule rule,
+                                 NodeId node, NodeId inner) {
   const Eye eye(receiver);
   double probability = 1.0;
-  while (node != leaf) {
+  while (node != inner) {
     const Step step = step_below(node, tree.first_leaf());
     Chances chances;
     chances_below(tree, eye, rule, step, chances);
     if (!(chances.total > 0.0F)) return 0.0;
-    node = leaf >> (level_of(leaf) - level_of(node) - step.levels);
-    probability *=
-        static_cast<double>(chances.at[node % kNodes]) / static_cast<double>(chances.total);
+    // The step may pass `inner` by: then all of its nodes below that count.
+    const int down = level_of(inner) - level_of(node), past = std::max(step.levels - down, 0);
+    node = past > 0 ? inner : inner >> (down - step.levels);
+    const std::size_t first = (std::size_t{node} << past) % kNodes;
+    double chance = 0.0;
+    for (std::size_t k = 0; k < std::size_t{1} << past; ++k) {
+      chance += static_cast<double>(chances.at[first + k]);
+    }
+    probability *= chance / static_cast<double>(chances.total);
   }
   return probability;
 }
@@ -462,7 +491,7 @@ HWY_INLINE HWY_ATTR const float* bounds_in(const LightTree& tree, const Eye& eye
 
 HWY_ATTR void cut_tree(const LightTree& tree, const Receiver& receiver, std::size_t most_nodes,
                        LightCut& cut) {
-  cut.nodes.clear();
+  cut.nodes.clear(), cut.dark.clear();
   for (LightCut::Seen& seen : cut.seen) seen.block = LightCut::kNoBlock;
   const Eye eye(receiver);
   const float least = kLeastCutDistance * tree.radius_m();
@@ -471,7 +500,10 @@ HWY_ATTR void cut_tree(const LightTree& tree, const Receiver& receiver, std::siz
   heap.clear();
   const auto add = [&](NodeId node) {
     const float bound = bounds_in(tree, eye, node / kNodes, least2, cut)[node % kNodes];
-    if (!(bound > 0.0F)) return;
+    if (!(bound > 0.0F)) {
+      if (tree.blocks()[node / kNodes].intensity[node % kNodes] > 0.0F) cut.dark.push_back(node);
+      return;
+    }
     if (tree.is_leaf(node)) {
       cut.nodes.push_back(node);
       return;
@@ -498,7 +530,7 @@ namespace macula::lights {
 
 HWY_EXPORT(choose_leaf);
 HWY_EXPORT(choose_leaves);
-HWY_EXPORT(leaf_probability);
+HWY_EXPORT(node_probability);
 HWY_EXPORT(view_of);
 HWY_EXPORT(cut_tree);
 
@@ -513,8 +545,8 @@ LeafChoice LightWalk::choose(NodeId node, double u) const {
   return HWY_DYNAMIC_DISPATCH(choose_leaf)(tree_, rule_, {receiver_, node, u});
 }
 
-double LightWalk::probability(NodeId node, NodeId leaf) const {
-  return HWY_DYNAMIC_DISPATCH(leaf_probability)(tree_, receiver_, rule_, node, leaf);
+double LightWalk::probability(NodeId node, NodeId inner) const {
+  return HWY_DYNAMIC_DISPATCH(node_probability)(tree_, receiver_, rule_, node, inner);
 }
 
 NodeView LightWalk::view(NodeId node) const {

@@ -34,6 +34,7 @@ std::vector<Method> methods(bool quick) {
   }
   all.push_back({"sl_as", perceived_cuts(PerceptionMode::Stengel)});
   all.push_back({"paper_no_reuse", perceived_cuts(PerceptionMode::Attenuation)});
+  all.push_back({"paper", paper_cuts()});
   return all;
 }
 
@@ -41,6 +42,7 @@ std::vector<Method> methods(bool quick) {
 struct Measured {
   double cpu_ms = 0.0, wall_ms = 0.0, fpsm_ms = 0.0, samples = 0.0;
   double mean_lspp = 0.0;  ///< nodes that cuts were allowed, a pixel
+  double reuse = 0.0;      ///< share of nodes whose light another pixel had drawn
   Regional lspp;
   LightcutsErrors errors;
 };
@@ -103,6 +105,9 @@ class Run {
       all.cpu_ms += one.cpu_ms / frames, all.wall_ms += one.wall_ms / frames;
       all.fpsm_ms += one.report.mask_ms / frames;
       all.samples += static_cast<double>(one.report.shadow_rays) / frames;
+      const auto taken = static_cast<double>(one.report.taken_nodes);
+      const auto nodes = taken + static_cast<double>(one.report.walked_nodes);
+      if (nodes > 0.0) all.reuse += taken / nodes / frames;
       add(judge_.errors(one.radiance), 1.0 / frames, all.errors);
       if (k == 0) keep(method, one.radiance);
     }
@@ -185,6 +190,7 @@ class Run {
             {"relmse_f25", m.errors.relmse.f25},
             {"relmse_out25", m.errors.relmse.out25},
             {"fpsm_ms", m.fpsm_ms},
+            {"reuse", m.reuse},
             {"samples_s", m.samples / (1e-3 * m.cpu_ms)},
             {"gain_f25", gain_f25},
             {"gain_out25", gain_out25},

@@ -95,6 +95,13 @@ Config perceived_cuts(kernels::lightcuts::PerceptionMode mode) {
   Config config = uniform_cuts(1);
   config.sizes = CutSizes::Perceived;
   config.perception.mode = mode;
+  config.source = kernels::lightcuts::LightSource::Walks;
+  return config;
+}
+
+Config paper_cuts() {
+  Config config = perceived_cuts(kernels::lightcuts::PerceptionMode::Attenuation);
+  config.source = kernels::lightcuts::LightSource::LowResolution;
   return config;
 }
 

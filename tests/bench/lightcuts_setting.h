@@ -26,8 +26,10 @@ struct LightcutsSetting {
 
 /// One primary ray through each pixel's centre: light alone is left to chance.
 kernels::lightcuts::Config uniform_cuts(int nodes);
-/// Cuts of perceived sizes.
+/// Cuts of perceived sizes, a walk for every node.
 kernels::lightcuts::Config perceived_cuts(kernels::lightcuts::PerceptionMode mode);
+/// The paper's: the same, and lights that the low-resolution picture drew.
+kernels::lightcuts::Config paper_cuts();
 
 struct Picture {
   Plane<Rgb> radiance;

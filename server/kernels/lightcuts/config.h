@@ -11,6 +11,10 @@ namespace macula::kernels::lightcuts {
 /// see the difference, by a perception map; mode Fast only.
 enum class CutSizes { Uniform, Perceived };
 
+/// Where the light of a node of a cut of perceived size comes from. Walks: a walk of its own.
+/// LowResolution: also the low-resolution picture's draws (the paper's Algorithm 2, corrected).
+enum class LightSource { Walks, LowResolution };
+
 struct Config {
   ray::Config ray;
   CutSizes sizes = CutSizes::Uniform;
@@ -18,7 +22,9 @@ struct Config {
   PerceptionConfig perception;
   int most_nodes = 48;     ///< of a cut where the map is 1, >= 1
   int low_resolution = 8;  ///< cells of the grid along a side of one of the low-resolution picture
-  int low_nodes = 48;      ///< of the cuts there; 0: no such picture, the map goes without contrast
+  int low_nodes = 16;      ///< of the cuts there; 0: no such picture, the map goes without contrast
+  LightSource source = LightSource::LowResolution;
+  int kept_nodes = 48;      ///< of the cuts whose draws are kept for others; LowResolution
   double mean_nodes = 0.0;  ///< > 0: the map is scaled so that this is the mean of all cuts
 };
 

@@ -114,6 +114,60 @@ TEST(LightWalk, ProbabilitiesAreThoseOfTheOracle) {
   }
 }
 
+TEST(LightWalk, AnInnerNodeIsAsLikelyAsItsLeavesTogether) {
+  Random random(15);
+  const LightTree tree(random_lights(900, Kind::Mixed, 16));
+  for (const WeightRule rule : {WeightRule::NearAndFar, WeightRule::Defensive}) {
+    for (int i = 0; i < 60; ++i) {
+      const LightWalk walk(tree, random_receiver(random), rule);
+      const NodeId leaf = tree.first_leaf() + static_cast<NodeId>(random.next() * 900.0);
+      const NodeId inner = leaf >> static_cast<int>(random.next() * 8.0);
+      const NodeId node = inner >> static_cast<int>(random.next() * 4.0);
+      if (node == 0) continue;
+      double sum = 0.0;
+      const LeafRange leaves = tree.leaves(inner);
+      for (NodeId each = leaves.first; each <= leaves.last; ++each) {
+        sum += walk.probability(node, each);
+      }
+      // A branch alive from above may be dead below: only Defensive walks never end there.
+      const double whole = walk.probability(node, inner);
+      if (rule == WeightRule::Defensive) {
+        EXPECT_NEAR(whole, sum, 1e-5 * whole + 1e-12);
+      } else {
+        EXPECT_GE(whole, sum - 1e-5 * whole);
+      }
+    }
+  }
+}
+
+TEST(LightWalk, ADefensiveWalkMayEndAtEveryLightSeenOrNot) {
+  Random random(17);
+  const auto lights = random_lights(300, Kind::Mixed, 18);
+  const LightTree tree(lights);
+  LightCut cut;
+  for (int i = 0; i < 30; ++i) {
+    const Receiver receiver = random_receiver(random);
+    const LightWalk walk(tree, receiver, WeightRule::Defensive);
+    double total = 0.0;
+    for (NodeId leaf = tree.first_leaf(); tree.light_at(leaf); ++leaf) {
+      EXPECT_GT(walk.probability(1, leaf), 0.0);
+      total += walk.probability(1, leaf);
+    }
+    EXPECT_NEAR(total, 1.0, 1e-5);
+    walk.cut(24, cut);
+    std::size_t held = 0;
+    for (const auto* part : {&cut.nodes, &cut.dark}) {
+      for (const NodeId node : *part) {
+        const LeafRange leaves = tree.leaves(node);
+        for (NodeId leaf = leaves.first; leaf <= leaves.last; ++leaf) {
+          held += tree.light_at(leaf).has_value();
+        }
+      }
+    }
+    EXPECT_EQ(held, lights.size()) << "dark nodes hold what the cut has dropped";
+  }
+}
+
 // T-TREE-3: leaves' chances add up to 1, or to 0 where no light reaches the receiver.
 TEST(LightWalk, ProbabilitiesOfAllLeavesAddUpToOne) {
   Random random(7);

@@ -138,22 +138,32 @@ int cells_off(const std::vector<Plane<Rgb>>& frames, const Plane<Rgb>& truth, do
   return off;
 }
 
-/// T-SLC-1 with cuts of perceived sizes, which a random picture decides.
-TEST(LightcutsKernel, PerceivedSizesOfCutsLeaveTheMeanUnchanged) {
+/// T-SLC-1 with cuts of perceived sizes, which a random picture decides, and T-SLC-2 with lights
+/// that another picture drew.
+TEST(LightcutsKernel, PerceivedSizesOfCutsAndTakenLightsLeaveTheMeanUnchanged) {
   const auto scene = room_of_lamps(40);
   const Shown shown;
   TileScheduler scheduler;
   Config config = perceived();
-  const LightcutsKernel kernel(config);
-  std::vector<Plane<Rgb>> frames;
-  for (std::uint64_t seed = 0; seed < 256; ++seed) {
-    frames.push_back(rendered(kernel, *scene, shown.request(seed), scheduler).radiance);
+  config.low_resolution = 4;
+  for (const LightSource source : {LightSource::Walks, LightSource::LowResolution}) {
+    config.source = source;
+    const LightcutsKernel kernel(config);
+    std::vector<Plane<Rgb>> frames;
+    FrameReport work;
+    for (std::uint64_t seed = 0; seed < 256; ++seed) {
+      auto frame = rendered(kernel, *scene, shown.request(seed), scheduler);
+      frames.push_back(std::move(frame.radiance));
+      work += frame.report;
+    }
+    EXPECT_EQ(5 * work.taken_nodes > work.walked_nodes, source == LightSource::LowResolution);
+    Config every = config;
+    every.ray.lights = ray::LightChoice::Every;
+    const auto truth =
+        rendered(ray::RayKernel(every.ray), *scene, shown.request(0), scheduler).radiance;
+    EXPECT_LE(cells_off(frames, truth, 1.0), 3);
+    EXPECT_GT(cells_off(frames, truth, 0.97), 50) << "3 % of bias would be seen";
   }
-  config.ray.lights = ray::LightChoice::Every;
-  const auto truth =
-      rendered(ray::RayKernel(config.ray), *scene, shown.request(0), scheduler).radiance;
-  EXPECT_LE(cells_off(frames, truth, 1.0), 3);
-  EXPECT_GT(cells_off(frames, truth, 0.97), 50) << "3 % of bias would be seen";
 }
 
 }  // namespace

@@ -1,0 +1,338 @@
+#include "server/kernels/lightcuts/cut_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/lights/cut_sampler.h"
+
+namespace macula::kernels::lightcuts {
+namespace {
+
+using lights::Descent;
+using lights::LeafChoice;
+using lights::NodeId;
+using lights::Receiver;
+using lights::WeightRule;
+
+constexpr std::uint32_t kTakeDimension =
+    0xE000'0000U;  ///< of a cell's random numbers, four a round
+
+Receiver receiver_of(const ray::LitPoints& points, std::size_t i) {
+  return {points.position[i], points.reflectors.shading[i]};
+}
+
+/// A node of a point's cut on its way to a light.
+struct Node {
+  std::uint32_t point, round;
+};
+
+/// Asks lights for nodes in the order they come, batch after batch.
+class Asker {
+ public:
+  Asker(const SceneFrame& scene, const SurfaceTile& tile, std::uint32_t rounds,
+        ray::LightingWork& work, std::span<Rgb> slots)
+      : scene_(scene),
+        tile_(tile),
+        rounds_(rounds),
+        questions_(scene),
+        rays_(scene, work),
+        slots_(slots) {}
+
+  void ask(const Node& node, const LeafChoice& choice) {
+    if (choice.leaf == 0) return;
+    asked_[questions_.size()] = node;
+    questions_.push(tile_.points, node.point,
+                    {*scene_.placed_lights().tree().light_at(choice.leaf),
+                     static_cast<float>(1.0 / choice.probability),
+                     place_on_light(tile_.points, node.point, node.round, rounds_)});
+    if (questions_.full()) send();
+  }
+  void finish() {
+    send();
+    rays_.flush(slots_);
+  }
+
+ private:
+  void send() {
+    const std::size_t n = questions_.size();
+    questions_.answer(answers_);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Node& node = asked_[k];
+      const Vec3 origin = tile_.points.ray_origin[node.point];
+      rays_.push({origin, answers_[k].end - origin, 1.0F,
+                  blend_of(scene_, tile_.points, node.point, Term::Area, node.round)},
+                 {answers_[k].reflected, node.point}, slots_);
+    }
+  }
+
+  const SceneFrame& scene_;
+  const SurfaceTile& tile_;
+  std::uint32_t rounds_;
+  LightQuestions questions_;
+  ShadowRays rays_;
+  std::span<Rgb> slots_;
+  std::array<Node, sampling::kBatch> asked_;
+  std::array<Answer, sampling::kBatch> answers_;
+};
+
+/// The low pixels around a cell, and how likely each is asked: by nearness, for surfaces alike.
+/// Surfaces alone decide, never what was drawn there.
+class Neighbours {
+ public:
+  Neighbours(const LowPicture& low, const image::Pixel& cell, const Receiver& receiver) {
+    const auto place = [&](int at) {
+      return (static_cast<float>(at) + 0.5F) / static_cast<float>(low.factor) - 0.5F;
+    };
+    const float fx = place(cell.x), fy = place(cell.y);
+    const int x0 = static_cast<int>(std::floor(fx)), y0 = static_cast<int>(std::floor(fy));
+    for (int k = 0; k < 4; ++k) {
+      const int x = x0 + k % 2, y = y0 + k / 2;
+      const float wx = 1.0F - std::abs(fx - static_cast<float>(x));
+      const float wy = 1.0F - std::abs(fy - static_cast<float>(y));
+      add(low, std::clamp(x, 0, low.width - 1), std::clamp(y, 0, low.height - 1), wx * wy,
+          receiver);
+    }
+  }
+  /// For u in [0, 1); none: too unlike.
+  const LowSamples* choose(float u) const {
+    if (sum_ < kLeastAlike) return nullptr;
+    float rest = u * sum_;
+    for (int k = 0; k < 3; ++k) {
+      if (rest < weight_[k]) return pixel_[k];
+      rest -= weight_[k];
+    }
+    return weight_[3] > 0.0F ? pixel_[3] : nullptr;
+  }
+
+ private:
+  static constexpr float kLeastAlike = 0.05F;
+
+  void add(const LowPicture& low, int x, int y, float nearness, const Receiver& receiver) {
+    const auto index = static_cast<std::size_t>(y * low.width + x);
+    const int k = count_++;
+    pixel_[k] = &low.pixels[index];
+    weight_[k] = low.hit[index] ? nearness * alike(pixel_[k]->receiver(), receiver) : 0.0F;
+    sum_ += weight_[k];
+  }
+  /// Normals within about 25 degrees, and planes apart by little against the distance.
+  static float alike(const Receiver& a, const Receiver& b) {
+    const float facing = std::max(glm::dot(a.normal, b.normal), 0.0F);
+    const Vec3 between = b.position - a.position;
+    const float apart = std::abs(glm::dot(a.normal, between)) / (glm::length(between) + 1e-6F);
+    const float square = facing * facing, fourth = square * square;
+    return fourth * fourth * std::exp(-8.0F * apart * apart);
+  }
+
+  int count_ = 0;
+  const LowSamples* pixel_[4] = {};
+  float weight_[4] = {};
+  float sum_ = 0.0F;
+};
+
+class TileCuts {
+ public:
+  TileCuts(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan, CutWork& work,
+           std::span<Rgb> slots)
+      : tree_(scene.placed_lights().tree()),
+        tile_(tile),
+        plan_(plan),
+        work_(work),
+        asker_(scene, tile, static_cast<std::uint32_t>(plan.most_nodes), work.lighting, slots) {}
+
+  void run() {
+    for (std::size_t i = 0; i < tile_.points.count; ++i) {
+      cut(i);
+      if (descents_.size() >= kTogether) walk();
+    }
+    walk();
+    asker_.finish();
+  }
+
+ private:
+  static constexpr std::size_t kTogether = 512;
+
+  void cut(std::size_t i) {
+    const image::Pixel cell = tile_.pixel(i);
+    const Receiver receiver = receiver_of(tile_.points, i);
+    const auto point = static_cast<std::uint32_t>(i);
+    lights::LightWalk(tree_, receiver).cut(plan_.nodes(cell.x, cell.y), cut_);
+    if (plan_.low == nullptr) {
+      for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) add_walk({point, r}, receiver);
+      return;
+    }
+    const Neighbours neighbours(*plan_.low, cell, receiver);
+    const float own = (*plan_.map)(cell.x, cell.y);
+    for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) {
+      if (!take({point, r}, neighbours, own)) add_walk({point, r}, receiver);
+    }
+  }
+
+  bool take(const Node& node, const Neighbours& neighbours, float own) {
+    const sampling::SampleKey key = tile_.points.keys[node.point];
+    const std::uint32_t dimension = kTakeDimension + 4U * node.round;
+    if (sampling::sample(key, dimension) < own) return false;
+    const LowSamples* low = neighbours.choose(sampling::sample(key, dimension + 1U));
+    if (low == nullptr) return false;
+    const double u = static_cast<double>(sampling::sample(key, dimension + 2U));
+    const LeafChoice choice = low->take(tree_, cut_.nodes[node.round], u);
+    if (choice.leaf == 0 && choice.probability == 0.0) return false;
+    ++work_.taken;
+    asker_.ask(node, choice);
+    return true;
+  }
+
+  void add_walk(const Node& node, const Receiver& receiver) {
+    descents_.push_back(
+        {receiver, cut_.nodes[node.round],
+         lights::leaf_number(tile_.points.keys[node.point], node.round, tile_.points.sample)});
+    walkers_.push_back(node);
+  }
+  void walk() {
+    choices_.resize(descents_.size());
+    lights::choose_each(tree_, WeightRule::NearAndFar, descents_, choices_);
+    for (std::size_t k = 0; k < walkers_.size(); ++k) asker_.ask(walkers_[k], choices_[k]);
+    work_.walked += walkers_.size();
+    descents_.clear(), walkers_.clear();
+  }
+
+  const lights::LightTree& tree_;
+  const SurfaceTile& tile_;
+  const CutPlan& plan_;
+  CutWork& work_;
+  Asker asker_;
+  lights::LightCut cut_;
+  std::vector<Descent> descents_;
+  std::vector<Node> walkers_;
+  std::vector<LeafChoice> choices_;
+};
+
+/// The samples of one tile of the low-resolution picture.
+class LowTile {
+ public:
+  LowTile(const SceneFrame& scene, const SurfaceTile& tile, int nodes)
+      : scene_(scene),
+        tree_(scene.placed_lights().tree()),
+        tile_(tile),
+        nodes_(static_cast<std::size_t>(nodes)),
+        questions_(scene),
+        rays_(scene, work_) {}
+
+  ray::LightingWork run(LowPicture& picture) {
+    for (std::size_t i = 0; i < tile_.points.count; ++i) draw(i);
+    arrived_.resize(samples_.size());
+    send();
+    rays_.flush(arrived_);
+    keep(picture);
+    return work_;
+  }
+
+ private:
+  void draw(std::size_t i) {
+    const Receiver receiver = receiver_of(tile_.points, i);
+    lights::LightWalk(tree_, receiver).cut(nodes_, cut_);
+    cut_.nodes.insert(cut_.nodes.end(), cut_.dark.begin(), cut_.dark.end());
+    for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) {
+      descents_.push_back({receiver, cut_.nodes[r],
+                           lights::leaf_number(tile_.points.keys[i], r, tile_.points.sample)});
+    }
+    choices_.resize(descents_.size());
+    lights::choose_each(tree_, WeightRule::Defensive, descents_, choices_);
+    for (std::size_t r = 0; r < descents_.size(); ++r) {
+      samples_.push_back(
+          {descents_[r].node, choices_[r].leaf, choices_[r].probability, 0.0F, 0.0F});
+      owners_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(r)});
+    }
+    descents_.clear();
+  }
+
+  void send() {
+    const auto rounds = static_cast<std::uint32_t>(nodes_);
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+      if (samples_[k].leaf == 0) continue;
+      asked_[questions_.size()] = k;
+      questions_.push(
+          tile_.points, owners_[k].point,
+          {*tree_.light_at(samples_[k].leaf), static_cast<float>(1.0 / samples_[k].probability),
+           place_on_light(tile_.points, owners_[k].point, owners_[k].round, rounds)});
+      if (questions_.full()) receive();
+    }
+    receive();
+  }
+  void receive() {
+    const std::size_t n = questions_.size();
+    questions_.answer(answers_);
+    for (std::size_t j = 0; j < n; ++j) {
+      const std::size_t k = asked_[j];
+      const Node& owner = owners_[k];
+      samples_[k].open = image::luminance(answers_[j].reflected);
+      const Vec3 origin = tile_.points.ray_origin[owner.point];
+      rays_.push({origin, answers_[j].end - origin, 1.0F,
+                  blend_of(scene_, tile_.points, owner.point, Term::Area, owner.round)},
+                 {answers_[j].reflected, static_cast<std::uint32_t>(k)}, arrived_);
+    }
+  }
+
+  void keep(LowPicture& picture) {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < tile_.points.count; ++i) {
+      std::vector<LowSample> mine;
+      for (; k < samples_.size() && owners_[k].point == i; ++k) {
+        samples_[k].brought = image::luminance(arrived_[k]);
+        mine.push_back(samples_[k]);
+      }
+      const image::Pixel at = tile_.pixel(i);
+      picture.pixels[static_cast<std::size_t>(at.y * picture.width + at.x)] =
+          LowSamples(receiver_of(tile_.points, i), std::move(mine));
+    }
+  }
+
+  const SceneFrame& scene_;
+  const lights::LightTree& tree_;
+  const SurfaceTile& tile_;
+  std::size_t nodes_;
+  ray::LightingWork work_;
+  LightQuestions questions_;
+  ShadowRays rays_;
+  lights::LightCut cut_;
+  std::vector<Descent> descents_;
+  std::vector<LeafChoice> choices_;
+  std::vector<LowSample> samples_;
+  std::vector<Node> owners_;
+  std::vector<Rgb> arrived_;
+  std::array<std::size_t, sampling::kBatch> asked_;
+  std::array<Answer, sampling::kBatch> answers_;
+};
+
+}  // namespace
+
+void add_cut_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
+                   CutWork& work, std::span<Rgb> slots) {
+  if (scene.placed_lights().size() == 0) return;
+  TileCuts(scene, tile, plan, work, slots).run();
+}
+
+FrameReport draw_low_picture(const SceneFrame& scene, const ViewSurfaces& surfaces, int nodes,
+                             TileScheduler& scheduler, LowPicture& picture) {
+  picture.width = surfaces.width, picture.height = surfaces.height;
+  const auto count = static_cast<std::size_t>(surfaces.width * surfaces.height);
+  picture.pixels.assign(count, LowSamples({}, {}));
+  picture.hit.assign(count, false);
+  for (const SurfaceTile& tile : surfaces.tiles) {
+    for (std::size_t i = 0; i < tile.points.count; ++i) {
+      const image::Pixel at = tile.pixel(i);
+      picture.hit[static_cast<std::size_t>(at.y * surfaces.width + at.x)] = true;
+    }
+  }
+  std::vector<ray::LightingWork> parts(surfaces.tiles.size());
+  const auto outcome = scheduler.run(parts.size(), [&](std::size_t k) {
+    parts[k] = LowTile(scene, surfaces.tiles[k], nodes).run(picture);
+  });
+  FrameReport report;
+  for (const ray::LightingWork& part : parts) {
+    report.shadow_rays += part.shadow_rays, report.trace_ms += part.trace_ms;
+  }
+  report.stopped = outcome == scheduling::Outcome::Stopped;
+  return report;
+}
+
+}  // namespace macula::kernels::lightcuts

@@ -1,0 +1,142 @@
+#include "server/kernels/lightcuts/light_plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "server/kernels/lightcuts/cut_light.h"
+#include "server/kernels/lightcuts/other_light.h"
+#include "server/kernels/planes.h"
+#include "shared/math/hash.h"
+
+namespace macula::kernels::lightcuts {
+namespace {
+
+/// Told apart from the frame's own seed: sizes of cuts must not depend on what the cuts draw.
+constexpr std::uint64_t kPictureSeed = 0x10'0A11'0001ULL;
+
+/// Every n-th edge and the last.
+std::vector<float> thinned_edges(const std::vector<float>& edges, int n) {
+  std::vector<float> kept;
+  for (std::size_t i = 0; i + 1 < edges.size(); i += static_cast<std::size_t>(n)) {
+    kept.push_back(edges[i]);
+  }
+  kept.push_back(edges.back());
+  return kept;
+}
+
+/// As it is shown: contrast is told against a least luminance of the display's.
+Plane<float> shown_luminance(const Plane<Rgb>& radiance, const image::Tone& tone) {
+  Plane<float> luminance(radiance.width(), radiance.height());
+  const float gain = std::exp2(tone.exposure_ev);
+  std::ranges::transform(radiance.pixels(), luminance.pixels().begin(),
+                         [gain](const Rgb& c) { return gain * image::luminance(c); });
+  return luminance;
+}
+
+/// The paper's acuity; a cell of a foveal grid, which stands for many pixels, deserves that of all.
+std::vector<Plane<float>> acuity_of(const FrameRequest& request) {
+  foveation::RateModel model;
+  model.curve = foveation::RateCurve::Lightcuts;
+  std::vector<FoveationMap::ViewInput> inputs;
+  for (std::size_t v = 0; v < request.views.size(); ++v) {
+    inputs.push_back(request.foveation.view(v));
+  }
+  const FoveationMap map(std::move(inputs), model);
+  std::vector<Plane<float>> acuity;
+  for (std::size_t v = 0; v < request.views.size(); ++v) {
+    const PixelGrid& grid = request.views[v].grid;
+    acuity.emplace_back(grid.width(), grid.height());
+    for (int y = 0; y < grid.height(); ++y) map.samples_wanted_row(v, y, acuity[v].row(y));
+  }
+  return acuity;
+}
+
+/// The views at a few nodes a pixel, lit alike everywhere.
+FrameReport render_low(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+                       TileScheduler& scheduler, FrameBuffers& out) {
+  std::vector<ViewSurfaces> surfaces;
+  prepare_buffers(request.views, out);
+  FrameReport report = trace_surfaces(request, scene, config.ray, scheduler, surfaces, out);
+  for (std::size_t v = 0; v < surfaces.size(); ++v) {
+    const ViewSurfaces& view = surfaces[v];
+    const Plane<std::uint16_t> nodes(view.width, view.height,
+                                     static_cast<std::uint16_t>(config.low_nodes));
+    std::vector<CutWork> works(view.tiles.size());
+    const auto outcome = scheduler.run(view.tiles.size(), [&](std::size_t k) {
+      const SurfaceTile& tile = view.tiles[k];
+      std::vector<Rgb> light(tile.points.count, Rgb{0.0F});
+      add_lights_apart(scene, tile.points, works[k].lighting, light);
+      add_cut_light(scene, tile, {nodes, config.low_nodes}, works[k], light);
+      add_surroundings(scene, config.ray, tile.points, works[k].lighting, light);
+      for (std::size_t i = 0; i < light.size(); ++i) {
+        const image::Pixel at = tile.pixel(i);
+        out.views[v].radiance(at.x, at.y) += light[i];
+      }
+    });
+    for (const CutWork& work : works) report.shadow_rays += work.lighting.shadow_rays;
+    report.stopped |= outcome == scheduling::Outcome::Stopped;
+  }
+  return report;
+}
+
+std::vector<Plane<float>> low_luminance(const FrameRequest& request, const SceneFrame& scene,
+                                        const Config& config, TileScheduler& scheduler,
+                                        FrameReport& report) {
+  std::vector<Plane<float>> luminance(request.views.size());
+  if (config.low_nodes <= 0) return luminance;
+  const std::vector<View> views = thinned(request.views, config.low_resolution);
+  const FrameRequest low{views, request.foveation, request.frame,
+                         math::hash_combine(request.seed, kPictureSeed)};
+  FrameBuffers made;
+  report += render_low(low, scene, config, scheduler, made);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    luminance[v] = shown_luminance(made.views[v].radiance, views[v].tone);
+  }
+  return luminance;
+}
+
+}  // namespace
+
+std::vector<View> thinned(std::span<const View> views, int n) {
+  std::vector<View> low(views.begin(), views.end());
+  for (View& view : low) {
+    view.grid = {thinned_edges(view.grid.x_edges, n), thinned_edges(view.grid.y_edges, n)};
+  }
+  return low;
+}
+
+LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+                      const FrameBuffers& surfaces, TileScheduler& scheduler) {
+  LightPlan plan;
+  const auto luminance = low_luminance(request, scene, config, scheduler, plan.report);
+  if (plan.report.stopped) return plan;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto acuity = acuity_of(request);
+  const Plane<float> at_rest;
+  for (std::size_t v = 0; v < request.views.size(); ++v) {
+    const ViewBuffers& view = surfaces.views[v];
+    plan.maps.push_back(make_perception_map(
+        {acuity[v], view.normal, view.albedo, at_rest, luminance[v]}, config.perception));
+    plan.cut_nodes.push_back(
+        node_counts(plan.maps[v].map, config.most_nodes, config.mean_nodes).nodes);
+  }
+  plan.report.mask_ms = units::to_ms(std::chrono::steady_clock::now() - begin);
+  return plan;
+}
+
+LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+                      TileScheduler& scheduler) {
+  FrameBuffers out;
+  out.wanted = kNormal | kAlbedo;
+  prepare_buffers(request.views, out);
+  std::vector<ViewSurfaces> surfaces;
+  const FrameReport traced = trace_surfaces(request, scene, config.ray, scheduler, surfaces, out);
+  LightPlan plan =
+      traced.stopped ? LightPlan{} : plan_lights(request, scene, config, out, scheduler);
+  plan.report += traced;
+  return plan;
+}
+
+}  // namespace macula::kernels::lightcuts

@@ -1,0 +1,28 @@
+// LightPlan: where a frame with cuts of perceived sizes sends its samples. Never from what the
+// frame itself draws, so that its mean stays that of any other plan.
+#pragma once
+
+#include <vector>
+
+#include "server/kernels/kernel.h"
+#include "server/kernels/lightcuts/config.h"
+
+namespace macula::kernels::lightcuts {
+
+struct LightPlan {
+  std::vector<PerceptionMap> maps;              ///< a view each
+  std::vector<Plane<std::uint16_t>> cut_nodes;  ///< of every cell's cut
+  FrameReport report;                           ///< of the rays that it took
+};
+/// From normals and albedo of every cell in `surfaces`, and a low-resolution picture whose random
+/// numbers are its own.
+LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+                      const FrameBuffers& surfaces, TileScheduler& scheduler);
+/// The same, tracing the surfaces first.
+LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+                      TileScheduler& scheduler);
+
+/// The views with every n-th edge of their grids, and the last.
+std::vector<View> thinned(std::span<const View> views, int n);
+
+}  // namespace macula::kernels::lightcuts

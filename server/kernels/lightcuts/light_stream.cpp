@@ -1,0 +1,92 @@
+#include "server/kernels/lightcuts/light_stream.h"
+
+#include <chrono>
+
+#include "server/sampling/sobol.h"
+#include "server/visibility/ray_offset.h"
+#include "shared/base/check.h"
+
+namespace macula::kernels::lightcuts {
+namespace {
+
+// Kernel `ray`'s dimensions of a cell's random numbers: cuts of equal sizes give equal pictures.
+constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
+constexpr std::uint32_t kFirstBlending = 0x8000'0011U;
+
+void copy(const sampling::Vec3Batch& from, std::size_t i, sampling::Vec3Batch& to, std::size_t k) {
+  to.x[k] = from.x[i], to.y[k] = from.y[i], to.z[k] = from.z[i];
+}
+void copy(const shading::ReflectorBatch& from, std::size_t i, shading::ReflectorBatch& to,
+          std::size_t k) {
+  copy(from.shading, i, to.shading, k);
+  copy(from.geometric, i, to.geometric, k);
+  copy(from.to_eye, i, to.to_eye, k);
+  copy(from.diffuse, i, to.diffuse, k);
+  copy(from.f0, i, to.f0, k);
+  copy(from.reflectance, i, to.reflectance, k);
+  to.f90.at[k] = from.f90.at[i];
+  to.cos_v.at[k] = from.cos_v.at[i];
+  to.alpha.at[k] = from.alpha.at[i];
+}
+
+}  // namespace
+
+void LightQuestions::push(const ray::LitPoints& points, std::size_t point, const Ask& ask) {
+  MACULA_DCHECK(!full() && point < points.count);
+  copy(points.position, point, position_, count_);
+  copy(points.reflectors, point, reflectors_, count_);
+  draws_.light.at[count_] = ask.light;
+  draws_.inverse_probability.at[count_] = ask.inverse_probability;
+  u_.x[count_] = ask.u.x, u_.y[count_] = ask.u.y;
+  ++count_;
+}
+
+void LightQuestions::answer(std::span<Answer> answers) {
+  MACULA_DCHECK(answers.size() >= count_);
+  if (count_ == 0) return;
+  scene_.placed_lights().arriving(draws_, u_, position_, count_, scene_.lights(), scene_.surfaces(),
+                                  scene_.materials(), arrivals_);
+  shading::reflect(reflectors_, arrivals_.arrival.to_light, arrivals_.arrival.irradiance, count_,
+                   reflected_);
+  for (std::size_t i = 0; i < count_; ++i) {
+    answers[i].reflected = reflected_[i];
+    answers[i].end = visibility::offset_ray_origin(arrivals_.position[i], arrivals_.normal[i], 0.0F,
+                                                   arrivals_.span.at[i]);
+  }
+  count_ = 0;
+}
+
+void ShadowRays::push(const ShadowRay& ray, const Delivery& delivery, std::span<Rgb> slots) {
+  if (delivery.value == Rgb{0.0F}) return;
+  const int i = rays_.push(ray.origin, ray.direction, 0.0F, ray.far, ray.blend);
+  deliveries_[static_cast<std::size_t>(i)] = delivery;
+  if (rays_.full()) flush(slots);
+}
+
+void ShadowRays::flush(std::span<Rgb> slots) {
+  if (rays_.count == 0) return;
+  const auto begin = std::chrono::steady_clock::now();
+  scene_.occluded(rays_, hidden_, visibility::Coherence::Incoherent);
+  work_.trace_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
+  work_.shadow_rays += static_cast<std::uint64_t>(rays_.count);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rays_.count); ++i) {
+    if (hidden_.occluded[i] == 0) slots[deliveries_[i].slot] += deliveries_[i].value;
+  }
+  rays_.clear();
+}
+
+visibility::BlendRule blend_of(const SceneFrame& scene, const ray::LitPoints& points,
+                               std::size_t point, Term term, std::uint32_t round) {
+  if (!scene.triangles().blends()) return visibility::blend_from(0.5F);
+  const std::uint64_t index = (std::uint64_t{points.sample} << 32) | round;
+  return visibility::blend_by_chance(sampling::sample_bits(
+      points.keys[point], kFirstBlending + static_cast<std::uint32_t>(term), index));
+}
+
+Vec2 place_on_light(const ray::LitPoints& points, std::size_t point, std::uint32_t round,
+                    std::uint32_t rounds) {
+  return sampling::sobol_owen_2d(points.sample * rounds + round,
+                                 sampling::scramble_seed(points.keys[point], kAreaDimension));
+}
+
+}  // namespace macula::kernels::lightcuts

@@ -1,0 +1,61 @@
+// Surfaces: what the primary rays of one frame met, kept so that light can be estimated in several
+// ways, and where the eye cares, without tracing them again. One sample a cell. World, meters.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "server/kernels/ray/lighting.h"
+#include "server/kernels/ray/tile.h"
+
+namespace macula::kernels::lightcuts {
+
+/// At most ray::kTileSide^2 cells of one view and the points on surfaces behind them.
+struct SurfaceTile {
+  image::Rect rect;
+  ray::LitPoints points;
+  static constexpr std::uint16_t kNone = 0xFFFF;
+  std::array<std::uint16_t, sampling::kBatch> cell_of;   ///< of each point, by cell_index
+  std::array<std::uint16_t, sampling::kBatch> point_of;  ///< of each cell; kNone: nothing was hit
+
+  static std::size_t cell_index(int x, int y) {
+    return static_cast<std::size_t>(y * ray::kTileSide + x);
+  }
+  image::Pixel pixel(std::size_t point) const {
+    const int cell = cell_of[point];
+    return {rect.x + cell % ray::kTileSide, rect.y + cell / ray::kTileSide};
+  }
+};
+
+/// One point of a tile.
+struct SurfaceAt {
+  const ray::LitPoints* points = nullptr;  ///< none: nothing was hit
+  std::size_t index = 0;
+
+  explicit operator bool() const { return points != nullptr; }
+  Vec3 position() const { return points->position[index]; }
+  Vec3 normal() const { return points->reflectors.shading[index]; }
+};
+
+struct ViewSurfaces {
+  int columns = 0;  ///< tiles in a row of tiles
+  int width = 0, height = 0;
+  std::vector<SurfaceTile> tiles;
+
+  SurfaceAt at(int x, int y) const {
+    const int side = ray::kTileSide;
+    const SurfaceTile& tile = tiles[static_cast<std::size_t>(y / side * columns + x / side)];
+    const std::uint16_t point = tile.point_of[SurfaceTile::cell_index(x % side, y % side)];
+    if (point == SurfaceTile::kNone) return {};
+    return {&tile.points, point};
+  }
+};
+
+/// Traces the centre (or, jittered, one random point) of every cell. Writes to prepared buffers:
+/// radiance is what shines at the eye by itself; the guides that are wanted. Keeps memory.
+FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,
+                           const ray::Config& config, TileScheduler& scheduler,
+                           std::vector<ViewSurfaces>& surfaces, FrameBuffers& out);
+
+}  // namespace macula::kernels::lightcuts
