@@ -21,26 +21,34 @@ using kernels::lightcuts::CutSizes;
 using kernels::lightcuts::PerceptionMode;
 using scheduling::TileScheduler;
 
+/// Points of a baseline's curve, and what is read from which.
+enum class Curves { Itself, Plain, Denoised };
+
 struct Method {
   std::string name;
   Config config;
-  bool on_curve = false;  ///< sl at some number of samples
+  Curves against = Curves::Plain;  ///< Itself: sl or sl_denoised at some number of samples
+  bool remembers = false;          ///< warmed up before it is judged
 };
 
 std::vector<Method> methods(bool quick) {
+  using kernels::lightcuts::Denoise;
   std::vector<Method> all;
   for (int nodes = 1; nodes <= (quick ? 32 : 64); nodes *= 2) {
-    all.push_back({"sl", uniform_cuts(nodes), true});
+    all.push_back({"sl", uniform_cuts(nodes), Curves::Itself});
+    all.push_back({"sl_denoised", denoised_cuts(nodes), Curves::Itself});
   }
   all.push_back({"sl_as", perceived_cuts(PerceptionMode::Stengel)});
   all.push_back({"paper_no_reuse", perceived_cuts(PerceptionMode::Attenuation)});
   all.push_back({"paper", paper_cuts()});
+  all.push_back({"ours_exact", reservoir_cuts(Denoise::No), Curves::Plain, true});
+  all.push_back({"ours", reservoir_cuts(Denoise::Yes), Curves::Denoised, true});
   return all;
 }
 
 /// What a method did, means over its frames.
 struct Measured {
-  double cpu_ms = 0.0, wall_ms = 0.0, fpsm_ms = 0.0, samples = 0.0;
+  double cpu_ms = 0.0, wall_ms = 0.0, fpsm_ms = 0.0, denoise_ms = 0.0, samples = 0.0;
   double mean_lspp = 0.0;  ///< nodes that cuts were allowed, a pixel
   double reuse = 0.0;      ///< share of nodes whose light another pixel had drawn
   Regional lspp;
@@ -89,6 +97,9 @@ double or_nan(const std::optional<double>& value, const Value& then) {
   return value ? then(*value) : std::nan("");
 }
 
+/// Seeds of frames that are not judged.
+constexpr int kWarmUpSeed = 10'000;
+
 class Run {
  public:
   Run(const LightcutsSetting& setting, const LightcutsJudge& judge, const LightcutsOptions& options,
@@ -99,11 +110,16 @@ class Run {
     Measured all;
     sizes_of(method, all);
     const auto frames = static_cast<double>(options_.frames);
-    for (int k = 0; k < options_.frames; ++k) {
-      const Picture one =
-          picture_of(setting_, method.config, static_cast<std::uint64_t>(k + 1), scheduler_);
+    kernels::History history;
+    const int warm_up = method.remembers ? options_.warm_up : 0;
+    for (int k = -warm_up; k < options_.frames; ++k) {
+      if (!method.remembers) history = {};
+      const auto seed = static_cast<std::uint64_t>(k < 0 ? kWarmUpSeed - k : k + 1);
+      const Picture one = picture_of(setting_, method.config, seed, history, scheduler_);
+      if (k < 0) continue;
       all.cpu_ms += one.cpu_ms / frames, all.wall_ms += one.wall_ms / frames;
       all.fpsm_ms += one.report.mask_ms / frames;
+      all.denoise_ms += one.report.post_ms / frames;
       all.samples += static_cast<double>(one.report.shadow_rays) / frames;
       const auto taken = static_cast<double>(one.report.taken_nodes);
       const auto nodes = taken + static_cast<double>(one.report.walked_nodes);
@@ -147,39 +163,47 @@ class Run {
     if (options_.pictures.empty()) return;
     Plane<Rgb8> shown;
     image::encode(setting_.view.tone, radiance, shown);
-    const std::string name = method.on_curve
-                                 ? "sl_" + std::to_string(method.config.ray.area_light_samples)
-                                 : method.name;
+    const std::string name =
+        method.against == Curves::Itself
+            ? method.name + "_" + std::to_string(method.config.ray.area_light_samples)
+            : method.name;
     if (!image::write_png(options_.pictures + "/" + name + ".png", shown)) {
       std::fprintf(stderr, "%s: cannot be written\n", name.c_str());
     }
   }
 
   template <class Error>
-  Curve curve(const Error& error_of, bool time_from_error) const {
+  Curve curve(const std::string& baseline, const Error& error_of, bool time_from_error) const {
     std::vector<Curve::Point> points;
     for (const Row& row : measured_) {
-      if (!row.method.on_curve) continue;
+      if (row.method.name != baseline) continue;
       const double time = row.measured.cpu_ms, error = error_of(row.measured);
       points.push_back(time_from_error ? Curve::Point{error, time} : Curve::Point{time, error});
     }
     return Curve(std::move(points));
   }
 
+  static std::string baseline_of(const Method& method) {
+    if (method.against == Curves::Itself) return method.name;
+    return method.against == Curves::Plain ? "sl" : "sl_denoised";
+  }
+
   Fields fields(const Row& row) const {
     const Measured& m = row.measured;
     const auto inside = [](const Measured& one) { return one.errors.mse.f25; };
     const auto outside = [](const Measured& one) { return one.errors.mse.out25; };
-    const double gain_f25 =
-        or_nan(curve(inside, false).at(m.cpu_ms), [&](double sl) { return sl / inside(m); });
-    const double gain_out25 =
-        or_nan(curve(outside, false).at(m.cpu_ms), [&](double sl) { return sl / outside(m); });
-    const double speed_f25 =
-        or_nan(curve(inside, true).at(inside(m)), [&](double sl) { return sl / m.cpu_ms; });
+    const std::string baseline = baseline_of(row.method);
+    const double gain_f25 = or_nan(curve(baseline, inside, false).at(m.cpu_ms),
+                                   [&](double sl) { return sl / inside(m); });
+    const double gain_out25 = or_nan(curve(baseline, outside, false).at(m.cpu_ms),
+                                     [&](double sl) { return sl / outside(m); });
+    const double speed_f25 = or_nan(curve(baseline, inside, true).at(inside(m)),
+                                    [&](double sl) { return sl / m.cpu_ms; });
     return {{"scene", options_.scene},
             {"lights", static_cast<std::int64_t>(setting_.lights)},
             {"gaze", std::string("0,0")},
             {"method", row.method.name},
+            {"against", baseline},
             {"cpu_ms", m.cpu_ms},
             {"wall_ms", m.wall_ms},
             {"mean_lspp", m.mean_lspp},
@@ -190,6 +214,7 @@ class Run {
             {"relmse_f25", m.errors.relmse.f25},
             {"relmse_out25", m.errors.relmse.out25},
             {"fpsm_ms", m.fpsm_ms},
+            {"denoise_ms", m.denoise_ms},
             {"reuse", m.reuse},
             {"samples_s", m.samples / (1e-3 * m.cpu_ms)},
             {"gain_f25", gain_f25},
@@ -240,6 +265,7 @@ LightcutsOptions quickened(LightcutsOptions options) {
   options.reference_nodes = std::min(options.reference_nodes, 96);
   options.reference_passes = 1;
   options.frames = 1;
+  options.warm_up = std::min(options.warm_up, 6);
   return options;
 }
 
@@ -247,6 +273,7 @@ Fields effective(const LightcutsOptions& options, const LightcutsJudge& judge) {
   return {{"scene", options.scene},
           {"quick", options.quick},
           {"frames", std::int64_t{options.frames}},
+          {"warm_up", std::int64_t{options.warm_up}},
           {"reference_nodes", std::int64_t{options.reference_nodes}},
           {"reference_passes", std::int64_t{options.reference_passes}},
           {"share_of_f25", judge.share_of_f25()}};

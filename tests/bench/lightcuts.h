@@ -15,6 +15,7 @@ struct LightcutsOptions {
   int reference_nodes = 256;  ///< of the cuts of each half-reference, every pixel of every pass
   int reference_passes = 4;   ///< of each half
   int frames = 4;             ///< judged and timed, a seed each
+  int warm_up = 16;           ///< frames before those, for methods that remember
   int threads = 0;            ///< 0: all the machine has
   std::string pictures;       ///< folder for maps and pictures of every method; empty: none
   std::string json;           ///< report; empty: none

@@ -91,6 +91,12 @@ Config uniform_cuts(int nodes) {
   return kernels::lightcuts::make_config(options);
 }
 
+Config denoised_cuts(int nodes) {
+  Config config = uniform_cuts(nodes);
+  config.denoise = kernels::lightcuts::Denoise::Yes;
+  return config;
+}
+
 Config perceived_cuts(kernels::lightcuts::PerceptionMode mode) {
   Config config = uniform_cuts(1);
   config.sizes = CutSizes::Perceived;
@@ -105,10 +111,25 @@ Config paper_cuts() {
   return config;
 }
 
+Config reservoir_cuts(kernels::lightcuts::Denoise denoise) {
+  Config config = paper_cuts();
+  config.source = kernels::lightcuts::LightSource::Reservoirs;
+  config.denoise = denoise;
+  const bool exact = denoise == kernels::lightcuts::Denoise::No;
+  config.reservoirs.traces_neighbours = exact;
+  config.reservoirs.blends_colours = !exact;
+  return config;
+}
+
 Picture picture_of(const LightcutsSetting& setting, const Config& config, std::uint64_t seed,
                    TileScheduler& scheduler) {
-  const FoveationMap map = map_of(setting);
   kernels::History history;
+  return picture_of(setting, config, seed, history, scheduler);
+}
+
+Picture picture_of(const LightcutsSetting& setting, const Config& config, std::uint64_t seed,
+                   kernels::History& history, TileScheduler& scheduler) {
+  const FoveationMap map = map_of(setting);
   kernels::FrameBuffers out;
   const kernels::lightcuts::LightcutsKernel kernel(config);
   Stopwatch watch;

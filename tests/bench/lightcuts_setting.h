@@ -26,10 +26,14 @@ struct LightcutsSetting {
 
 /// One primary ray through each pixel's centre: light alone is left to chance.
 kernels::lightcuts::Config uniform_cuts(int nodes);
+/// The same, smoothed along surfaces.
+kernels::lightcuts::Config denoised_cuts(int nodes);
 /// Cuts of perceived sizes, a walk for every node.
 kernels::lightcuts::Config perceived_cuts(kernels::lightcuts::PerceptionMode mode);
 /// The paper's: the same, and lights that the low-resolution picture drew.
 kernels::lightcuts::Config paper_cuts();
+/// Beyond it: reservoirs over both, seen by rays everywhere (exact) or smoothed.
+kernels::lightcuts::Config reservoir_cuts(kernels::lightcuts::Denoise denoise);
 
 struct Picture {
   Plane<Rgb> radiance;
@@ -38,6 +42,10 @@ struct Picture {
 };
 Picture picture_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
                    std::uint64_t seed, scheduling::TileScheduler& scheduler);
+/// The next frame of a session that remembers.
+Picture picture_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
+                   std::uint64_t seed, kernels::History& history,
+                   scheduling::TileScheduler& scheduler);
 kernels::lightcuts::LightPlan plan_of(const LightcutsSetting& setting,
                                       const kernels::lightcuts::Config& config,
                                       scheduling::TileScheduler& scheduler);

@@ -243,6 +243,9 @@ Run declare_lightcuts(CLI::App& command) {
   command.add_option("--frames", options->frames, "Timed and judged, each with a seed of its own")
       ->check(CLI::Range(1, 1000))
       ->option_text("N (4)");
+  command.add_option("--warm-up", options->warm_up, "Frames before those, for ours")
+      ->check(CLI::Range(0, 1000))
+      ->option_text("N (16)");
   command
       .add_option("--reference-nodes", options->reference_nodes,
                   "Of the cuts of the half-references")
@@ -251,7 +254,7 @@ Run declare_lightcuts(CLI::App& command) {
   command.add_option("--reference-passes", options->reference_passes, "Of each half-reference")
       ->check(CLI::Range(1, 1 << 14))
       ->option_text("N (4)");
-  command.add_flag("--quick", options->quick, "360x425, one frame, one pass of 96 nodes");
+  command.add_flag("--quick", options->quick, "360x425, one frame after 6, one pass of 96 nodes");
   command.add_option("--threads", options->threads, "0 takes all the machine has")
       ->check(CLI::Range(0, 1024))
       ->option_text("N (0)");

@@ -13,7 +13,23 @@ enum class CutSizes { Uniform, Perceived };
 
 /// Where the light of a node of a cut of perceived size comes from. Walks: a walk of its own.
 /// LowResolution: also the low-resolution picture's draws (the paper's Algorithm 2, corrected).
-enum class LightSource { Walks, LowResolution };
+/// Reservoirs: both as candidates for a few rays, and what the last frame's rays found.
+enum class LightSource { Walks, LowResolution, Reservoirs };
+
+struct ReservoirConfig {
+  int nodes_a_ray = 3;            ///< of a cut: one ray to the draws of so many, at least one; >= 1
+  int most_rays = 8;              ///< a point and frame, for its own draws
+  float most_confidence = 20.0F;  ///< frames that memory counts for at most
+  /// Rays that find out whether a neighbour sees a light at all. Without them the last frame's
+  /// point is taken to see what this one sees: where it does not, some light is lost.
+  bool traces_neighbours = false;
+  /// What is remembered has the colour of all the light that it was chosen from, not of the one
+  /// light that was chosen: its luminance alone has the right mean.
+  bool blends_colours = true;
+};
+
+/// Yes: light over reflectance is smoothed along surfaces, further where the eye sees less.
+enum class Denoise { No, Yes };
 
 struct Config {
   ray::Config ray;
@@ -24,7 +40,10 @@ struct Config {
   int low_resolution = 8;  ///< cells of the grid along a side of one of the low-resolution picture
   int low_nodes = 16;      ///< of the cuts there; 0: no such picture, the map goes without contrast
   LightSource source = LightSource::LowResolution;
-  int kept_nodes = 48;      ///< of the cuts whose draws are kept for others; LowResolution
+  int kept_nodes = 48;  ///< of the cuts whose draws are kept for others; not Walks
+  ReservoirConfig reservoirs;
+  // ---- any size ----
+  Denoise denoise = Denoise::No;
   double mean_nodes = 0.0;  ///< > 0: the map is scaled so that this is the mean of all cuts
 };
 
@@ -33,7 +52,11 @@ inline Config make_config(const KernelOptions& options) {
   Config config;
   config.ray = ray::make_config(options);
   config.ray.lights = ray::LightChoice::ByCut;
-  if (options.light_share == LightShare::Perceived) config.sizes = CutSizes::Perceived;
+  if (options.light_share == LightShare::Perceived) {
+    config.sizes = CutSizes::Perceived;
+    config.source = LightSource::Reservoirs;
+    config.denoise = Denoise::Yes;
+  }
   return config;
 }
 

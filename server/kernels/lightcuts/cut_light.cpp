@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/lights/cut_sampler.h"
+#include "server/kernels/lightcuts/node_choices.h"
 
 namespace macula::kernels::lightcuts {
 namespace {
@@ -13,18 +13,6 @@ using lights::LeafChoice;
 using lights::NodeId;
 using lights::Receiver;
 using lights::WeightRule;
-
-constexpr std::uint32_t kTakeDimension =
-    0xE000'0000U;  ///< of a cell's random numbers, four a round
-
-Receiver receiver_of(const ray::LitPoints& points, std::size_t i) {
-  return {points.position[i], points.reflectors.shading[i]};
-}
-
-/// A node of a point's cut on its way to a light.
-struct Node {
-  std::uint32_t point, round;
-};
 
 /// Asks lights for nodes in the order they come, batch after batch.
 class Asker {
@@ -38,7 +26,7 @@ class Asker {
         rays_(scene, work),
         slots_(slots) {}
 
-  void ask(const Node& node, const LeafChoice& choice) {
+  void operator()(const CutNode& node, const LeafChoice& choice) {
     if (choice.leaf == 0) return;
     asked_[questions_.size()] = node;
     questions_.push(tile_.points, node.point,
@@ -57,7 +45,7 @@ class Asker {
     const std::size_t n = questions_.size();
     questions_.answer(answers_);
     for (std::size_t k = 0; k < n; ++k) {
-      const Node& node = asked_[k];
+      const CutNode& node = asked_[k];
       const Vec3 origin = tile_.points.ray_origin[node.point];
       rays_.push({origin, answers_[k].end - origin, 1.0F,
                   blend_of(scene_, tile_.points, node.point, Term::Area, node.round)},
@@ -71,139 +59,8 @@ class Asker {
   LightQuestions questions_;
   ShadowRays rays_;
   std::span<Rgb> slots_;
-  std::array<Node, sampling::kBatch> asked_;
+  std::array<CutNode, sampling::kBatch> asked_;
   std::array<Answer, sampling::kBatch> answers_;
-};
-
-/// The low pixels around a cell, and how likely each is asked: by nearness, for surfaces alike.
-/// Surfaces alone decide, never what was drawn there.
-class Neighbours {
- public:
-  Neighbours(const LowPicture& low, const image::Pixel& cell, const Receiver& receiver) {
-    const auto place = [&](int at) {
-      return (static_cast<float>(at) + 0.5F) / static_cast<float>(low.factor) - 0.5F;
-    };
-    const float fx = place(cell.x), fy = place(cell.y);
-    const int x0 = static_cast<int>(std::floor(fx)), y0 = static_cast<int>(std::floor(fy));
-    for (int k = 0; k < 4; ++k) {
-      const int x = x0 + k % 2, y = y0 + k / 2;
-      const float wx = 1.0F - std::abs(fx - static_cast<float>(x));
-      const float wy = 1.0F - std::abs(fy - static_cast<float>(y));
-      add(low, std::clamp(x, 0, low.width - 1), std::clamp(y, 0, low.height - 1), wx * wy,
-          receiver);
-    }
-  }
-  /// For u in [0, 1); none: too unlike.
-  const LowSamples* choose(float u) const {
-    if (sum_ < kLeastAlike) return nullptr;
-    float rest = u * sum_;
-    for (int k = 0; k < 3; ++k) {
-      if (rest < weight_[k]) return pixel_[k];
-      rest -= weight_[k];
-    }
-    return weight_[3] > 0.0F ? pixel_[3] : nullptr;
-  }
-
- private:
-  static constexpr float kLeastAlike = 0.05F;
-
-  void add(const LowPicture& low, int x, int y, float nearness, const Receiver& receiver) {
-    const auto index = static_cast<std::size_t>(y * low.width + x);
-    const int k = count_++;
-    pixel_[k] = &low.pixels[index];
-    weight_[k] = low.hit[index] ? nearness * alike(pixel_[k]->receiver(), receiver) : 0.0F;
-    sum_ += weight_[k];
-  }
-  /// Normals within about 25 degrees, and planes apart by little against the distance.
-  static float alike(const Receiver& a, const Receiver& b) {
-    const float facing = std::max(glm::dot(a.normal, b.normal), 0.0F);
-    const Vec3 between = b.position - a.position;
-    const float apart = std::abs(glm::dot(a.normal, between)) / (glm::length(between) + 1e-6F);
-    const float square = facing * facing, fourth = square * square;
-    return fourth * fourth * std::exp(-8.0F * apart * apart);
-  }
-
-  int count_ = 0;
-  const LowSamples* pixel_[4] = {};
-  float weight_[4] = {};
-  float sum_ = 0.0F;
-};
-
-class TileCuts {
- public:
-  TileCuts(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan, CutWork& work,
-           std::span<Rgb> slots)
-      : tree_(scene.placed_lights().tree()),
-        tile_(tile),
-        plan_(plan),
-        work_(work),
-        asker_(scene, tile, static_cast<std::uint32_t>(plan.most_nodes), work.lighting, slots) {}
-
-  void run() {
-    for (std::size_t i = 0; i < tile_.points.count; ++i) {
-      cut(i);
-      if (descents_.size() >= kTogether) walk();
-    }
-    walk();
-    asker_.finish();
-  }
-
- private:
-  static constexpr std::size_t kTogether = 512;
-
-  void cut(std::size_t i) {
-    const image::Pixel cell = tile_.pixel(i);
-    const Receiver receiver = receiver_of(tile_.points, i);
-    const auto point = static_cast<std::uint32_t>(i);
-    lights::LightWalk(tree_, receiver).cut(plan_.nodes(cell.x, cell.y), cut_);
-    if (plan_.low == nullptr) {
-      for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) add_walk({point, r}, receiver);
-      return;
-    }
-    const Neighbours neighbours(*plan_.low, cell, receiver);
-    const float own = (*plan_.map)(cell.x, cell.y);
-    for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) {
-      if (!take({point, r}, neighbours, own)) add_walk({point, r}, receiver);
-    }
-  }
-
-  bool take(const Node& node, const Neighbours& neighbours, float own) {
-    const sampling::SampleKey key = tile_.points.keys[node.point];
-    const std::uint32_t dimension = kTakeDimension + 4U * node.round;
-    if (sampling::sample(key, dimension) < own) return false;
-    const LowSamples* low = neighbours.choose(sampling::sample(key, dimension + 1U));
-    if (low == nullptr) return false;
-    const double u = static_cast<double>(sampling::sample(key, dimension + 2U));
-    const LeafChoice choice = low->take(tree_, cut_.nodes[node.round], u);
-    if (choice.leaf == 0 && choice.probability == 0.0) return false;
-    ++work_.taken;
-    asker_.ask(node, choice);
-    return true;
-  }
-
-  void add_walk(const Node& node, const Receiver& receiver) {
-    descents_.push_back(
-        {receiver, cut_.nodes[node.round],
-         lights::leaf_number(tile_.points.keys[node.point], node.round, tile_.points.sample)});
-    walkers_.push_back(node);
-  }
-  void walk() {
-    choices_.resize(descents_.size());
-    lights::choose_each(tree_, WeightRule::NearAndFar, descents_, choices_);
-    for (std::size_t k = 0; k < walkers_.size(); ++k) asker_.ask(walkers_[k], choices_[k]);
-    work_.walked += walkers_.size();
-    descents_.clear(), walkers_.clear();
-  }
-
-  const lights::LightTree& tree_;
-  const SurfaceTile& tile_;
-  const CutPlan& plan_;
-  CutWork& work_;
-  Asker asker_;
-  lights::LightCut cut_;
-  std::vector<Descent> descents_;
-  std::vector<Node> walkers_;
-  std::vector<LeafChoice> choices_;
 };
 
 /// The samples of one tile of the low-resolution picture.
@@ -263,7 +120,7 @@ class LowTile {
     questions_.answer(answers_);
     for (std::size_t j = 0; j < n; ++j) {
       const std::size_t k = asked_[j];
-      const Node& owner = owners_[k];
+      const CutNode& owner = owners_[k];
       samples_[k].open = image::luminance(answers_[j].reflected);
       const Vec3 origin = tile_.points.ray_origin[owner.point];
       rays_.push({origin, answers_[j].end - origin, 1.0F,
@@ -297,7 +154,7 @@ class LowTile {
   std::vector<Descent> descents_;
   std::vector<LeafChoice> choices_;
   std::vector<LowSample> samples_;
-  std::vector<Node> owners_;
+  std::vector<CutNode> owners_;
   std::vector<Rgb> arrived_;
   std::array<std::size_t, sampling::kBatch> asked_;
   std::array<Answer, sampling::kBatch> answers_;
@@ -308,7 +165,9 @@ class LowTile {
 void add_cut_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
                    CutWork& work, std::span<Rgb> slots) {
   if (scene.placed_lights().size() == 0) return;
-  TileCuts(scene, tile, plan, work, slots).run();
+  Asker asker(scene, tile, static_cast<std::uint32_t>(plan.most_nodes), work.lighting, slots);
+  NodeChoices<Asker>(scene, tile, plan, work, asker).run();
+  asker.finish();
 }
 
 FrameReport draw_low_picture(const SceneFrame& scene, const ViewSurfaces& surfaces, int nodes,

@@ -1,9 +1,13 @@
 #include "server/kernels/lightcuts/deferred.h"
 
+#include <algorithm>
+#include <chrono>
 #include <limits>
+#include <utility>
 
-#include "server/kernels/lightcuts/cut_light.h"
+#include "server/kernels/lightcuts/atrous.h"
 #include "server/kernels/lightcuts/other_light.h"
+#include "server/kernels/lightcuts/reservoir_light.h"
 #include "server/kernels/planes.h"
 #include "shared/math/hash.h"
 
@@ -31,32 +35,6 @@ std::vector<LowPicture> draw_low(const FrameRequest& request, const SceneFrame& 
   return pictures;
 }
 
-/// Radiance that is no number becomes black, and is counted.
-void add(const Rgb& light, Rgb& radiance, FrameReport& report) {
-  radiance += light;
-  if (math::is_finite(radiance)) return;
-  radiance = Rgb{0.0F};
-  ++report.non_finite_samples;
-}
-
-FrameReport light_tile(const SceneFrame& scene, const ray::Config& config, const SurfaceTile& tile,
-                       const CutPlan& plan, ViewBuffers& out) {
-  FrameReport report;
-  CutWork work;
-  std::vector<Rgb> light(tile.points.count, Rgb{0.0F});
-  add_lights_apart(scene, tile.points, work.lighting, light);
-  add_cut_light(scene, tile, plan, work, light);
-  add_surroundings(scene, config, tile.points, work.lighting, light);
-  for (std::size_t i = 0; i < light.size(); ++i) {
-    const image::Pixel at = tile.pixel(i);
-    add(light[i], out.radiance(at.x, at.y), report);
-  }
-  report.shadow_rays = work.lighting.shadow_rays;
-  report.trace_ms = work.lighting.trace_ms;
-  report.walked_nodes = work.walked, report.taken_nodes = work.taken;
-  return report;
-}
-
 void fill_sample_planes(unsigned wanted, ViewBuffers& out) {
   if (wanted & kSamples) {
     for (float& each : out.samples.pixels()) each = 1.0F;
@@ -66,34 +44,164 @@ void fill_sample_planes(unsigned wanted, ViewBuffers& out) {
   }
 }
 
+class Frame {
+ public:
+  Frame(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+        TileScheduler& scheduler, FrameBuffers& out)
+      : request_(request), scene_(scene), config_(config), scheduler_(scheduler), out_(out) {}
+
+  FrameReport run(History& history) {
+    trace();
+    plan();
+    if (!report_.stopped && config_.source != LightSource::Walks && perceived()) {
+      low_ = draw_low(request_, scene_, config_, scheduler_, report_);
+    }
+    auto* last = dynamic_cast<ReservoirHistory*>(history.record.get());
+    if (last != nullptr && last->views.size() != request_.views.size()) last = nullptr;
+    auto kept = std::make_unique<ReservoirHistory>();
+    kept->views.resize(request_.views.size());
+    for (std::size_t v = 0; v < request_.views.size() && !report_.stopped; ++v) {
+      look(v);
+      light(v, last != nullptr ? &last->views[v] : nullptr, kept->views[v]);
+      fill_sample_planes(out_.wanted, out_.views[v]);
+    }
+    if (reservoirs() && !report_.stopped) keep(std::move(kept), history);
+    return report_;
+  }
+
+ private:
+  bool perceived() const { return config_.sizes == CutSizes::Perceived; }
+  bool reservoirs() const { return perceived() && config_.source == LightSource::Reservoirs; }
+
+  void trace() {
+    const unsigned wanted = out_.wanted;
+    if (perceived()) out_.wanted |= kNormal | kAlbedo;  // the map's features
+    prepare_buffers(request_.views, out_);
+    report_ = trace_surfaces(request_, scene_, config_.ray, scheduler_, surfaces_, out_);
+    if (perceived() && !report_.stopped) {
+      plan_ = plan_lights(request_, scene_, config_, out_, scheduler_);
+      report_ += plan_.report;
+    }
+    out_.wanted = wanted;
+  }
+  void plan() {
+    if (perceived()) return;
+    for (const ViewSurfaces& view : surfaces_) {
+      plan_.cut_nodes.emplace_back(view.width, view.height,
+                                   static_cast<std::uint16_t>(config_.ray.area_light_samples));
+    }
+  }
+  CutPlan cuts(std::size_t v) const {
+    if (!perceived()) return {plan_.cut_nodes[v], config_.ray.area_light_samples};
+    return {plan_.cut_nodes[v], config_.most_nodes, &plan_.maps[v].map,
+            low_.empty() ? nullptr : &low_[v]};
+  }
+  void look(std::size_t v) {
+    eccentricity_.resize(surfaces_[v].width, surfaces_[v].height);
+    for (int y = 0; y < surfaces_[v].height; ++y) {
+      request_.foveation.eccentricity_row(v, y, eccentricity_.row(y));
+    }
+  }
+
+  void light(std::size_t v, const KeptView* last, KeptView& kept) {
+    const ViewSurfaces& view = surfaces_[v];
+    if (reservoirs()) kept.reservoirs.resize(view.width, view.height);
+    light_.resize(view.width, view.height);
+    std::ranges::fill(light_.pixels(), Rgb{0.0F});
+    std::vector<FrameReport> parts(view.tiles.size());
+    const auto outcome = scheduler_.run(parts.size(), [&](std::size_t k) {
+      parts[k] = light_tile(view.tiles[k], cuts(v), last, kept);
+    });
+    for (const FrameReport& part : parts) report_ += part;
+    report_.stopped |= outcome == scheduling::Outcome::Stopped;
+    if (!report_.stopped && config_.denoise == Denoise::Yes) denoise(v);
+    for (std::size_t k = 0; k < view.tiles.size() && !report_.stopped; ++k) deliver(v, k);
+  }
+  FrameReport light_tile(const SurfaceTile& tile, const CutPlan& plan, const KeptView* last,
+                         KeptView& kept) {
+    FrameReport report;
+    CutWork work;
+    std::vector<Rgb> slots(tile.points.count, Rgb{0.0F});
+    add_lights_apart(scene_, tile.points, work.lighting, slots);
+    if (reservoirs()) {
+      add_reservoir_light(scene_, tile, plan, config_.reservoirs, last, eccentricity_, work,
+                          kept.reservoirs, slots);
+    } else {
+      add_cut_light(scene_, tile, plan, work, slots);
+    }
+    add_surroundings(scene_, config_.ray, tile.points, work.lighting, slots);
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      const image::Pixel at = tile.pixel(i);
+      light_(at.x, at.y) = slots[i];
+    }
+    report.shadow_rays = work.lighting.shadow_rays;
+    report.trace_ms = work.lighting.trace_ms;
+    report.walked_nodes = work.walked, report.taken_nodes = work.taken;
+    return report;
+  }
+
+  /// Light per reflectance, so that textures stay sharp; a channel without any has no light.
+  void denoise(std::size_t v) {
+    const auto begin = std::chrono::steady_clock::now();
+    constexpr float kLeast = 1e-3F;
+    const auto scale = [&](const auto& by) {
+      for (const SurfaceTile& tile : surfaces_[v].tiles) {
+        for (std::size_t i = 0; i < tile.points.count; ++i) {
+          const image::Pixel at = tile.pixel(i);
+          Rgb& light = light_(at.x, at.y);
+          if (!math::is_finite(light)) light = Rgb{0.0F};
+          light *= by(glm::max(tile.points.reflectors.reflectance[i], Rgb{kLeast}));
+        }
+      }
+    };
+    scale([](const Rgb& reflectance) { return Rgb{1.0F} / reflectance; });
+    const Vec3 eye(request_.views[v].world_from_view.position);
+    report_.stopped |= smooth(surfaces_[v], eye, eccentricity_, scheduler_, light_) ==
+                       scheduling::Outcome::Stopped;
+    scale([](const Rgb& reflectance) { return reflectance; });
+    report_.post_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
+  }
+
+  /// Radiance that is no number becomes black, and is counted.
+  void deliver(std::size_t v, std::size_t k) {
+    const SurfaceTile& tile = surfaces_[v].tiles[k];
+    for (std::size_t i = 0; i < tile.points.count; ++i) {
+      const image::Pixel at = tile.pixel(i);
+      Rgb& radiance = out_.views[v].radiance(at.x, at.y);
+      radiance += light_(at.x, at.y);
+      if (math::is_finite(radiance)) continue;
+      radiance = Rgb{0.0F};
+      ++report_.non_finite_samples;
+    }
+  }
+
+  void keep(std::unique_ptr<ReservoirHistory> kept, History& history) {
+    for (std::size_t v = 0; v < surfaces_.size(); ++v) {
+      kept->views[v].view = request_.views[v];
+      kept->views[v].surfaces = std::move(surfaces_[v]);
+    }
+    history.record = std::move(kept);
+  }
+
+  const FrameRequest& request_;
+  const SceneFrame& scene_;
+  const Config& config_;
+  TileScheduler& scheduler_;
+  FrameBuffers& out_;
+  FrameReport report_;
+  std::vector<ViewSurfaces> surfaces_;
+  LightPlan plan_;
+  std::vector<LowPicture> low_;
+  Plane<float> eccentricity_;  ///< of the view at work, radians
+  Plane<Rgb> light_;           ///< its light, without what surfaces emit
+};
+
 }  // namespace
 
 FrameReport render_deferred(const FrameRequest& request, const SceneFrame& scene,
-                            const Config& config, TileScheduler& scheduler, FrameBuffers& out) {
-  const unsigned wanted = out.wanted;
-  out.wanted |= kNormal | kAlbedo;  // the map's features
-  prepare_buffers(request.views, out);
-  std::vector<ViewSurfaces> surfaces;
-  FrameReport report = trace_surfaces(request, scene, config.ray, scheduler, surfaces, out);
-  LightPlan plan;
-  if (!report.stopped) plan = plan_lights(request, scene, config, out, scheduler);
-  report += plan.report;
-  out.wanted = wanted;
-  std::vector<LowPicture> low;
-  const bool keeps = config.source == LightSource::LowResolution;
-  if (keeps && !report.stopped) low = draw_low(request, scene, config, scheduler, report);
-  for (std::size_t v = 0; v < surfaces.size() && !report.stopped; ++v) {
-    const CutPlan cuts{plan.cut_nodes[v], config.most_nodes, &plan.maps[v].map,
-                       keeps ? &low[v] : nullptr};
-    std::vector<FrameReport> parts(surfaces[v].tiles.size());
-    const auto outcome = scheduler.run(parts.size(), [&](std::size_t k) {
-      parts[k] = light_tile(scene, config.ray, surfaces[v].tiles[k], cuts, out.views[v]);
-    });
-    for (const FrameReport& part : parts) report += part;
-    report.stopped |= outcome == scheduling::Outcome::Stopped;
-    fill_sample_planes(wanted, out.views[v]);
-  }
-  return report;
+                            const Config& config, History& history, TileScheduler& scheduler,
+                            FrameBuffers& out) {
+  return Frame(request, scene, config, scheduler, out).run(history);
 }
 
 }  // namespace macula::kernels::lightcuts

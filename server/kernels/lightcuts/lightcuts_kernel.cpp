@@ -21,21 +21,36 @@ FrameReport render_by_ray(const FrameRequest& request, const SceneFrame& scene,
   return report;
 }
 
+std::vector<std::string> shortcuts(const Config& config, const SceneFrame& scene) {
+  std::vector<std::string> taken = ray::shortcuts(scene);
+  if (config.denoise == Denoise::Yes) taken.emplace_back("light is smoothed along surfaces");
+  if (config.source == LightSource::Reservoirs && !config.reservoirs.traces_neighbours) {
+    taken.emplace_back("lights kept from the last frame are taken to be seen from where they were");
+  }
+  if (config.source == LightSource::Reservoirs && config.reservoirs.blends_colours) {
+    taken.emplace_back("light kept from the last frame has the mean colour of what arrived there");
+  }
+  return taken;
+}
+
 }  // namespace
 
 FrameReport LightcutsKernel::render(const FrameRequest& request, const SceneFrame& scene,
                                     History& history, TileScheduler& scheduler,
                                     FrameBuffers& out) const {
-  const bool perceived = config_.sizes == CutSizes::Perceived && config_.ray.mode == Mode::Fast;
-  if (!perceived)
+  const bool fast = config_.ray.mode == Mode::Fast;
+  const bool perceived = fast && config_.sizes == CutSizes::Perceived;
+  const bool denoised = fast && config_.denoise == Denoise::Yes;
+  const bool one_sample = config_.ray.samples_per_cell == 1 && (out.wanted & kLight) == 0;
+  if (!perceived && !(denoised && one_sample))
     return ray::RayKernel(config_.ray).render(request, scene, history, scheduler, out);
-  const bool by_ray = config_.ray.samples_per_cell > 1 || (out.wanted & kLight) != 0;
-  FrameReport report = by_ray ? render_by_ray(request, scene, config_, scheduler, out)
-                              : render_deferred(request, scene, config_, scheduler, out);
+  FrameReport report = one_sample
+                           ? render_deferred(request, scene, config_, history, scheduler, out)
+                           : render_by_ray(request, scene, config_, scheduler, out);
   if (!report.stopped) {
     report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
   }
-  report.biased_shortcuts = ray::shortcuts(scene);
+  report.biased_shortcuts = shortcuts(config_, scene);
   return report;
 }
 

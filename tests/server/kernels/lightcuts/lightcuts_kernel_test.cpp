@@ -45,6 +45,8 @@ Config perceived() {
   options.light_share = LightShare::Perceived;
   Config config = make_config(options);
   config.most_nodes = 12;
+  config.source = LightSource::LowResolution;
+  config.denoise = Denoise::No;
   return config;
 }
 
@@ -164,6 +166,86 @@ TEST(LightcutsKernel, PerceivedSizesOfCutsAndTakenLightsLeaveTheMeanUnchanged) {
     EXPECT_LE(cells_off(frames, truth, 1.0), 3);
     EXPECT_GT(cells_off(frames, truth, 0.97), 50) << "3 % of bias would be seen";
   }
+}
+
+/// The last of three frames, the head turned by a pixel's tenth in each.
+Rendered third_frame(const LightcutsKernel& kernel, const SceneFrame& scene, std::uint64_t seed,
+                     TileScheduler& scheduler) {
+  History history;
+  Rendered last;
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    Shown shown;
+    const double angle = 0.008 * static_cast<double>(k) - 0.016;
+    shown.view.world_from_view.rotation = DQuat(std::cos(angle), 0.0, std::sin(angle), 0.0);
+    FrameBuffers out;
+    FrameReport report =
+        kernel.render({{&shown.view, 1}, shown.map, k, seed}, scene, history, scheduler, out);
+    last = {std::move(out.views.front().radiance), std::move(report)};
+  }
+  return last;
+}
+
+/// T-RIS in pictures: what is kept of earlier frames does not change the mean of this one.
+TEST(LightcutsKernel, ReservoirsLeaveTheMeanUnchanged) {
+  const auto scene = room_of_lamps(40);
+  TileScheduler scheduler;
+  Config config = perceived();
+  config.low_resolution = 4;
+  config.source = LightSource::Reservoirs;
+  config.reservoirs.traces_neighbours = true;
+  config.reservoirs.blends_colours = false;
+  const LightcutsKernel kernel(config);
+  std::vector<Plane<Rgb>> frames;
+  for (std::uint64_t seed = 0; seed < 160; ++seed) {
+    frames.push_back(third_frame(kernel, *scene, seed, scheduler).radiance);
+  }
+  config.ray.lights = ray::LightChoice::Every;
+  const auto truth =
+      rendered(ray::RayKernel(config.ray), *scene, Shown().request(0), scheduler).radiance;
+  EXPECT_LE(cells_off(frames, truth, 1.0), 3);
+  EXPECT_GT(cells_off(frames, truth, 0.95), 50) << "5 % of bias would be seen";
+}
+
+/// Variance of cells over seeds, summed.
+double variance(const LightcutsKernel& kernel, const SceneFrame& scene, TileScheduler& scheduler) {
+  constexpr int kSeeds = 24;
+  std::vector<double> sum(kSide * kSide), square(kSide * kSide);
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const auto picture = third_frame(kernel, scene, seed, scheduler).radiance;
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      const auto value = static_cast<double>(picture.pixels()[i].y);
+      sum[i] += value, square[i] += value * value;
+    }
+  }
+  double all = 0.0;
+  for (std::size_t i = 0; i < sum.size(); ++i)
+    all += square[i] / kSeeds - std::pow(sum[i] / kSeeds, 2);
+  return all;
+}
+
+TEST(LightcutsKernel, MemoryAndSmoothingEachTakeNoiseAway) {
+  const auto scene = room_of_lamps(40);
+  TileScheduler scheduler;
+  Config config = perceived();
+  config.low_resolution = 4;
+  const double taken = variance(LightcutsKernel(config), *scene, scheduler);
+  config.source = LightSource::Reservoirs;
+  const double kept = variance(LightcutsKernel(config), *scene, scheduler);
+  config.denoise = Denoise::Yes;
+  const double smoothed = variance(LightcutsKernel(config), *scene, scheduler);
+  EXPECT_LT(kept, 0.7 * taken);
+  EXPECT_LT(smoothed, 0.7 * kept);
+}
+
+TEST(LightcutsKernel, ReservoirsDoNotDependOnThreads) {
+  const auto scene = room_of_lamps(60);
+  TileScheduler one(1), two(2);
+  Config config = perceived();
+  config.source = LightSource::Reservoirs;
+  config.denoise = Denoise::Yes;
+  const LightcutsKernel kernel(config);
+  EXPECT_TRUE(same_bits(third_frame(kernel, *scene, 7, one).radiance,
+                        third_frame(kernel, *scene, 7, two).radiance));
 }
 
 }  // namespace

@@ -7,39 +7,19 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/server/lights/tree_oracle.h"
+#include "tests/server/kernels/lightcuts/many_points.h"
 
 namespace macula::kernels::lightcuts {
 namespace {
 
 using lights::LeafChoice;
-using lights::LightBounds;
 using lights::LightTree;
 using lights::LightWalk;
 using lights::NodeId;
 using lights::Receiver;
 using lights::WeightRule;
-using lights::test::Kind;
 using lights::test::Random;
-
-struct Lit {
-  std::vector<LightBounds> lights = lights::test::random_lights(120, Kind::Mixed, 4);
-  LightTree tree{lights};
-
-  double light(NodeId leaf, const Receiver& at) const {
-    const auto index = tree.light_at(leaf);
-    if (!index) return 0.0;
-    const Vec3 towards = lights[*index].centre - at.position;
-    return lights::test::reaching(lights[*index], at) /
-           static_cast<double>(glm::dot(towards, towards));
-  }
-  double sum(NodeId node, const Receiver& at) const {
-    double all = 0.0;
-    const lights::LeafRange leaves = tree.leaves(node);
-    for (NodeId leaf = leaves.first; leaf <= leaves.last; ++leaf) all += light(leaf, at);
-    return all;
-  }
-};
+using test::Lit;
 
 /// The low pixel's draws; a wall hides half of the lights from it.
 LowSamples drawn(const Lit& lit, const Receiver& low, std::size_t nodes, Random& random) {

@@ -1,0 +1,33 @@
+// Light of the placed lights by reservoirs: a point draws a light of every node of its cut, traces
+// rays to a few of them (RIS), and combines them by pairwise MIS with what it, and another point
+// near by, kept of the last frame. World, meters; a point's light does not depend on tiles and
+// threads.
+#pragma once
+
+#include <memory>
+
+#include "server/kernels/history.h"
+#include "server/kernels/lightcuts/config.h"
+#include "server/kernels/lightcuts/cut_light.h"
+#include "server/kernels/lightcuts/reservoir.h"
+
+namespace macula::kernels::lightcuts {
+
+/// One view of the last frame.
+struct KeptView {
+  View view;
+  ViewSurfaces surfaces;
+  Plane<Reservoir> reservoirs;
+};
+struct ReservoirHistory : HistoryRecord {
+  std::vector<KeptView> views;
+};
+
+/// Adds to slots as add_cut_light, and writes the tile's reservoirs. `last`: none in a first frame.
+/// `eccentricity`: of every cell, radians; beyond five degrees a second neighbour is asked.
+void add_reservoir_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
+                         const ReservoirConfig& config, const KeptView* last,
+                         const Plane<float>& eccentricity, CutWork& work,
+                         Plane<Reservoir>& reservoirs, std::span<Rgb> slots);
+
+}  // namespace macula::kernels::lightcuts

@@ -1,0 +1,79 @@
+#include "server/kernels/lightcuts/atrous.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "shared/math/hash.h"
+
+namespace macula::kernels::lightcuts {
+namespace {
+
+constexpr int kSide = ray::kTileSide;
+
+/// One tile: a floor on the left half, a wall on the right, nothing in the last row.
+ViewSurfaces corner() {
+  ViewSurfaces view;
+  view.columns = 1, view.width = kSide, view.height = kSide;
+  view.tiles.resize(1);
+  SurfaceTile& tile = view.tiles.front();
+  tile.rect = {0, 0, kSide, kSide};
+  tile.point_of.fill(SurfaceTile::kNone);
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const std::size_t cell = SurfaceTile::cell_index(x, y), point = tile.points.count++;
+      tile.cell_of[point] = static_cast<std::uint16_t>(cell);
+      tile.point_of[cell] = static_cast<std::uint16_t>(point);
+      const bool floor = x < kSide / 2;
+      const float u = 0.02F * static_cast<float>(x - kSide / 2), v = 0.02F * static_cast<float>(y);
+      tile.points.position.set(point,
+                               floor ? Vec3{u, -1.0F, v - 3.0F} : Vec3{0, u - 1.0F, v - 3.0F});
+      tile.points.reflectors.shading.set(point, floor ? Vec3{0, 1, 0} : Vec3{-1, 0, 0});
+    }
+  }
+  return view;
+}
+float noise(int x, int y) {
+  return math::unit_float(math::hash_combine(3, static_cast<std::uint64_t>(y * kSide + x)));
+}
+Plane<Rgb> smoothed(Plane<Rgb> light) {
+  const Plane<float> eccentricity(light.width(), light.height(), 0.5F);
+  TileScheduler scheduler(1);
+  smooth(corner(), Vec3{0.0F}, eccentricity, scheduler, light);
+  return light;
+}
+
+TEST(Atrous, NoiseOnEachSideOfACornerGoesAndTheSidesStayApart) {
+  Plane<Rgb> light(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      light(x, y) = Rgb{(x < kSide / 2 ? 1.0F : 2.0F) + noise(x, y) - 0.5F};
+    }
+  }
+  const Plane<Rgb> after = smoothed(light);
+  double square = 0.0;
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const double off = static_cast<double>(after(x, y).x) - (x < kSide / 2 ? 1.0 : 2.0);
+      square += off * off / (kSide * (kSide - 1));
+    }
+  }
+  EXPECT_LT(square, 1.0 / 12.0 / 10.0) << "a tenth of the variance that was there";
+  for (int x = 0; x < kSide; ++x) EXPECT_EQ(after(x, kSide - 1), light(x, kSide - 1));
+}
+
+TEST(Atrous, EvenLightStaysAndALoneSpikeGoes) {
+  Plane<Rgb> light(kSide, kSide, Rgb{0.7F, 0.5F, 0.3F});
+  const Plane<Rgb> even = smoothed(light);
+  light(3, 5) = Rgb{900.0F};
+  const Plane<Rgb> after = smoothed(light);
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      EXPECT_NEAR(even(x, y).x, 0.7F, 1e-6F);
+      EXPECT_LT(after(x, y).x, 0.8F);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace macula::kernels::lightcuts
