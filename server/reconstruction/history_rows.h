@@ -16,7 +16,7 @@ namespace macula::reconstruction {
 enum class Known : std::uint8_t {
   Nothing,   ///< outside, or something else lies there, or nothing is known
   Bilinear,  ///< its cell and maybe others of the four around it
-  Bicubic,   ///< all of the sixteen cells around it, where that many are asked for
+  Bicubic,   ///< all of the sixteen cells around it
 };
 
 /// How a row's cells are to be read; each plane has the row's width.
@@ -32,23 +32,19 @@ struct RowReads {
   void copy(std::size_t i, const RowReads& from, std::size_t k);
 };
 
-/// Directions within an angle of `axis`: those are worth bicubic reads.
-struct Cone {
-  Vec3 axis{0.0F, 0.0F, -1.0F};  ///< unit, view space
-  float squared_cosine = 1.0F;   ///< of the angle, below 90 degrees; 1: no direction
-};
+/// How many cells a place is read from: four, or sixteen where all of them are known.
+enum class Reading { Bilinear, Bicubic };
 
 struct ReadJob {
   /// Of the earlier picture, at least 2 x 2; 1/m: 0 infinitely far, negative where nothing is
   /// known.
   const image::Plane<float>& inverse_depth;
   float tolerance = 0.02F;  ///< how far depths may differ, relative to the nearer one
-  Cone sharp;
+  Reading reading = Reading::Bicubic;
 };
 
-/// `row` is the y tangent of the row whose places these are, `tangent_x` its cells' x tangents.
-void judge_places(const ReadJob& job, const RowPlaces& places, std::span<const float> tangent_x,
-                  float tangent_y, RowReads& reads);
+/// Which of the places are known, and from which cells.
+void judge_places(const ReadJob& job, const RowPlaces& places, RowReads& reads);
 
 /// The earlier picture at every place that is known; other cells of `row` stay as they are. Bicubic
 /// reads (Catmull-Rom) are held within what the four middle cells show.

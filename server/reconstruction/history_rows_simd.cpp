@@ -94,14 +94,7 @@ HWY_INLINE HWY_ATTR bool knows_sixteen(const image::Plane<float>& depths, std::i
   return hn::AllTrue(d, hn::Ge(least, hn::Zero(d)));
 }
 
-HWY_INLINE HWY_ATTR bool is_sharp(const Cone& cone, float tangent_x, float tangent_y) {
-  const float cosine = cone.axis.x * tangent_x - cone.axis.y * tangent_y - cone.axis.z;
-  const float squared = tangent_x * tangent_x + tangent_y * tangent_y + 1.0F;
-  return cosine > 0.0F && cosine * cosine > cone.squared_cosine * squared;
-}
-
-HWY_ATTR void judge_row(const ReadJob& job, const RowPlaces& places, const float* tangent_x,
-                        float tangent_y, RowReads& reads) {
+HWY_ATTR void judge_row(const ReadJob& job, const RowPlaces& places, RowReads& reads) {
   const hn::ScalableTag<float> d;
   const hn::CappedTag<float, 1> d1;
   const std::size_t width = places.x.size(), lanes = hn::Lanes(d);
@@ -115,7 +108,7 @@ HWY_ATTR void judge_row(const ReadJob& job, const RowPlaces& places, const float
     }
     for (std::size_t k = 0; k < count; ++k, ++i) {
       reads.known[i] = agrees[k] != 0 ? Known::Bilinear : Known::Nothing;
-      if (agrees[k] == 0 || !is_sharp(job.sharp, tangent_x[i], tangent_y)) continue;
+      if (agrees[k] == 0 || job.reading == Reading::Bilinear) continue;
       if (knows_sixteen(job.inverse_depth, reads.first[i])) reads.known[i] = Known::Bicubic;
     }
   }
@@ -222,12 +215,10 @@ void RowReads::copy(std::size_t i, const RowReads& from, std::size_t k) {
   for (int cell = 0; cell < 4; ++cell) share[cell][i] = from.share[cell][k];
 }
 
-void judge_places(const ReadJob& job, const RowPlaces& places, std::span<const float> tangent_x,
-                  float tangent_y, RowReads& reads) {
-  MACULA_CHECK(tangent_x.size() == places.x.size());
+void judge_places(const ReadJob& job, const RowPlaces& places, RowReads& reads) {
   MACULA_CHECK(job.inverse_depth.width() > 1 && job.inverse_depth.height() > 1);
   reads.resize(places.x.size());
-  HWY_DYNAMIC_DISPATCH(judge_row)(job, places, tangent_x.data(), tangent_y, reads);
+  HWY_DYNAMIC_DISPATCH(judge_row)(job, places, reads);
 }
 
 void read_row(const RowReads& reads, const image::Plane<Texel>& picture, std::span<Texel> row) {

@@ -16,8 +16,8 @@ enum class MaskKind { BlueNoise, Independent };
 /// or whatever a mesh through them shows, rubber sheets included (printed, section 3.2).
 enum class WarpKind { Verified, Mesh };
 
-/// How the earlier picture is read: bicubic near the gaze and bilinear elsewhere, bilinear, or four
-/// normally distributed taps of half a cell (printed, section 3.2).
+/// How the earlier picture is read: bicubic, bilinear, or four normally distributed taps of half a
+/// cell (printed, section 3.2).
 enum class HistoryFilter { Bicubic, Bilinear, NormalTaps };
 
 /// What deserves resampling, section 3.3: where the support samples contradict what is remembered,
@@ -62,7 +62,7 @@ struct FoveatedConfig {
   AgeLimits light_age{0.05F, 0.5F, 16};  ///< of light that is estimated by chance
   float fovea_weight = 0.2F;             ///< least weight where every cell is traced, (0, 1]
   float clip_fovea = 1.0F, clip_outside = 2.0F;  ///< standard deviations
-  float most_resampled = 0.15F;                  ///< share of a frame's primary rays, [0, 1)
+  float most_resampled = 0.25F;                  ///< share of a frame's primary rays, [0, 1)
   int post_probes = 8;                           ///< n of section 3.5
 
   MaskKind mask = MaskKind::BlueNoise;

@@ -45,14 +45,8 @@ void normalise(Taps& taps) {
 
 Taps HistoryTaps::at(int x, int y, const Vec2& place) const {
   if (filter_ == HistoryFilter::NormalTaps) return normal(x, y, place);
-  if (filter_ == HistoryFilter::Bicubic && near_gaze(x, y)) return bicubic(place);
+  if (filter_ == HistoryFilter::Bicubic) return bicubic(place);
   return bilinear(place);
-}
-
-bool HistoryTaps::near_gaze(int x, int y) const {
-  const Vec3 ray = view_.grid.ray(x, y);
-  const float cosine = glm::dot(ray, view_.gaze.direction);
-  return cosine > 0.0F && cosine * cosine > kLeastSquaredCosine * glm::dot(ray, ray);
 }
 
 void HistoryTaps::add_known(int x, int y, float weight, Taps& taps) const {

@@ -11,9 +11,6 @@
 
 namespace macula::kernels::ray {
 
-/// Within about this eccentricity the eye tells bicubic from bilinear taps: cos^2 of 26 degrees.
-inline constexpr float kLeastSquaredCosine = 0.808F;
-
 /// Cells and their shares of one value; shares sum to 1.
 struct Taps {
   struct Tap {
@@ -37,7 +34,6 @@ class HistoryTaps {
   Taps at(int x, int y, const Vec2& place) const;
 
  private:
-  bool near_gaze(int x, int y) const;
   void add_known(int x, int y, float weight, Taps& taps) const;
   Taps bilinear(const Vec2& place) const;
   Taps bicubic(const Vec2& place) const;

@@ -6,6 +6,7 @@
 namespace macula::kernels::ray {
 
 using reconstruction::Known;
+using reconstruction::Reading;
 using reconstruction::RowPlaces;
 using reconstruction::RowReads;
 
@@ -34,7 +35,7 @@ void Reprojector::rows(int first, int last) const {
       read_one_by_one(row);
       continue;
     }
-    judge(warp_.tangents_x(), row.y, row.places, row.reads);
+    judge(row.places, row.reads);
     follow(row);
     follow(row);
     try_corners(row);
@@ -49,14 +50,11 @@ bool Reprojector::in_vectors() const {
          job_.then.color.height() > 1;
 }
 
-void Reprojector::judge(std::span<const float> tangent_x, int y, const RowPlaces& places,
-                        RowReads& reads) const {
-  const reconstruction::Cone sharp =
-      job_.config.filter == HistoryFilter::Bicubic
-          ? reconstruction::Cone{job_.view.gaze.direction, kLeastSquaredCosine}
-          : reconstruction::Cone{};
-  reconstruction::judge_places({job_.then.inverse_depth, job_.config.merge_threshold, sharp},
-                               places, tangent_x, warp_.tangent_y(y), reads);
+void Reprojector::judge(const RowPlaces& places, RowReads& reads) const {
+  const Reading reading =
+      job_.config.filter == HistoryFilter::Bicubic ? Reading::Bicubic : Reading::Bilinear;
+  reconstruction::judge_places({job_.then.inverse_depth, job_.config.merge_threshold, reading},
+                               places, reads);
 }
 
 /// Takes the depths that were found at the places instead of the ones that were looked for.
@@ -108,7 +106,7 @@ void Reprojector::try_again(Row& row) const {
   row.tangent_x.clear();
   for (const int x : row.columns) row.tangent_x.push_back(warp_.tangents_x()[x]);
   warp_.row(row.y, row.tangent_x, row.tried_depth, row.tried_places);
-  judge(row.tangent_x, row.y, row.tried_places, row.tried_reads);
+  judge(row.tried_places, row.tried_reads);
   for (std::size_t k = 0; k < row.columns.size(); ++k) {
     const auto x = static_cast<std::size_t>(row.columns[k]);
     row.places.x[x] = row.tried_places.x[k], row.places.y[x] = row.tried_places.y[k];

@@ -51,8 +51,7 @@ class Reprojector {
   };
 
   bool in_vectors() const;
-  void judge(std::span<const float> tangent_x, int y, const reconstruction::RowPlaces& places,
-             reconstruction::RowReads& reads) const;
+  void judge(const reconstruction::RowPlaces& places, reconstruction::RowReads& reads) const;
   void follow(Row& row) const;
   float followed_depth(const Row& row, int x) const;
   void try_corners(Row& row) const;

@@ -163,16 +163,22 @@ class Update {
   HWY_ATTR void clip(int x, int y, Reason reason, Texel& remembered) const {
     if (job_.config.clipping == Clipping::Off || job_.motion == Motion::Still) return;
     const Four d;
-    auto sum = hn::Zero(d), squares = hn::Zero(d);
+    const int left = std::max(x - 1, 0), right = std::min(x + 1, job_.chroma.width() - 1);
+    const int top = std::max(y - 1, 0), bottom = std::min(y + 1, job_.chroma.height() - 1);
     int count = 0;
-    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, job_.chroma.height() - 1); ++j) {
-      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, job_.chroma.width() - 1); ++i) {
-        if (!job_.mask.traced(i, j)) continue;
-        const auto value = hn::Load(d, &job_.chroma(i, j).r);
-        sum = hn::Add(sum, value), squares = hn::MulAdd(value, value, squares), ++count;
-      }
+    for (int j = top; j <= bottom; ++j) {
+      for (int i = left; i <= right; ++i) count += job_.mask.traced(i, j) ? 1 : 0;
     }
     if (count < 3) return;
+    auto sum = hn::Zero(d), squares = hn::Zero(d);
+    for (int j = top; j <= bottom; ++j) {
+      for (int i = left; i <= right; ++i) {
+        // Chosen without a branch: which neighbours are traced is chance.
+        const auto counts = hn::Set(d, job_.mask.traced(i, j) ? 1.0F : 0.0F);
+        const auto value = hn::Mul(counts, hn::Load(d, &job_.chroma(i, j).r));
+        sum = hn::Add(sum, value), squares = hn::MulAdd(value, value, squares);
+      }
+    }
     const auto share = hn::Set(d, 1.0F / static_cast<float>(count));
     const auto mean = hn::Mul(sum, share);
     const auto variance = hn::Max(hn::NegMulAdd(mean, mean, hn::Mul(squares, share)), hn::Zero(d));

@@ -36,23 +36,20 @@ RowPlaces some_places(std::size_t count) {
   return places;
 }
 
-std::vector<Texel> read(const Picture& picture, const RowPlaces& places, const Cone& sharp,
+std::vector<Texel> read(const Picture& picture, const RowPlaces& places, Reading reading,
                         RowReads& reads) {
-  const std::vector<float> ahead(places.x.size(), 0.0F);
-  judge_places({picture.inverse_depth, 0.02F, sharp}, places, ahead, 0.0F, reads);
+  judge_places({picture.inverse_depth, 0.02F, reading}, places, reads);
   std::vector<Texel> row(places.x.size(), Texel(Rgb{-1.0F}));
   read_row(reads, picture.color, row);
   return row;
 }
 
-const Cone kNowhere{}, kEverywhere{Vec3{0.0F, 0.0F, -1.0F}, 0.5F};
-
 TEST(HistoryRows, WhatIsLinearIsReadExactlyBetweenCentres) {
   const Picture picture;
   const RowPlaces places = some_places(70);
-  for (const Cone& sharp : {kNowhere, kEverywhere}) {
+  for (const Reading reading : {Reading::Bilinear, Reading::Bicubic}) {
     RowReads reads;
-    const std::vector<Texel> row = read(picture, places, sharp, reads);
+    const std::vector<Texel> row = read(picture, places, reading, reads);
     for (std::size_t i = 0; i < row.size(); ++i) {
       const float x = std::clamp(places.x[i], 0.5F, kWidth - 0.5F);
       const Rgb expected = Picture::at(x, 4.75F);
@@ -60,7 +57,7 @@ TEST(HistoryRows, WhatIsLinearIsReadExactlyBetweenCentres) {
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(row[i].rgb()[c], expected[c], 1e-4F) << i;
     }
     const auto bicubic = std::ranges::count(reads.known, Known::Bicubic);
-    EXPECT_EQ(bicubic > 50, sharp.squared_cosine < 1.0F);
+    EXPECT_EQ(bicubic > 50, reading == Reading::Bicubic);
   }
 }
 
@@ -73,7 +70,7 @@ TEST(HistoryRows, OtherDepthsAndPlacesOutsideAreNotRead) {
   places.inverse_depth[5] = -1.0F;
   places.x[6] = NAN;
   RowReads reads;
-  const std::vector<Texel> row = read(picture, places, kNowhere, reads);
+  const std::vector<Texel> row = read(picture, places, Reading::Bilinear, reads);
   for (const int i : {0, 2, 3, 4, 5, 6}) {
     EXPECT_EQ(reads.known[i], Known::Nothing) << i;
     EXPECT_EQ(row[i].r, -1.0F) << i;
@@ -87,7 +84,7 @@ TEST(HistoryRows, UnknownCellsHaveNoShare) {
   picture.color(9, 4) = Texel(Rgb{1e6F});
   RowPlaces places = some_places(40);
   RowReads reads;
-  const std::vector<Texel> row = read(picture, places, kEverywhere, reads);
+  const std::vector<Texel> row = read(picture, places, Reading::Bicubic, reads);
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (reads.known[i] == Known::Nothing) continue;
     EXPECT_LT(row[i].r, kWidth) << i;
@@ -108,7 +105,7 @@ TEST(HistoryRows, BicubicReadsAreExactAtCentresAndNeverOvershoot) {
     places.x[i] = static_cast<float>(i) + 2.5F, places.y[i] = 4.5F;
   }
   RowReads reads;
-  const std::vector<Texel> row = read(picture, places, kEverywhere, reads);
+  const std::vector<Texel> row = read(picture, places, Reading::Bicubic, reads);
   for (std::size_t i = 0; i < 30; ++i) {
     EXPECT_EQ(reads.known[i], Known::Bicubic);
     EXPECT_EQ(row[i].r, picture.color(static_cast<int>(i) + 2, 4).r);
