@@ -10,6 +10,7 @@ WarpStage::WarpStage(const EyeRig& rig, const reprojection::WarpOptions& options
     : rig_(rig), options_(options) {
   pictures_.assign(static_cast<std::size_t>(rig.eyes),
                    image::Plane<Rgb8>(rig.display.width_px, rig.display.height_px));
+  warpers_.resize(pictures_.size());
 }
 
 std::vector<reprojection::WarpReport> WarpStage::warp(const frames::DecodedFrame& frame,
@@ -22,7 +23,7 @@ std::vector<reprojection::WarpReport> WarpStage::warp(const frames::DecodedFrame
                                           frame.eyes[eye].inverse_depth_per_m};
     const Pose stage_from_eye = stage_from_head * rig_.head_from_eye(static_cast<int>(eye));
     reports[eye] =
-        reprojection::warp(source, stage_from_eye, rig_.display, options_, pictures_[eye]);
+        warpers_[eye].warp(source, stage_from_eye, rig_.display, options_, pictures_[eye]);
   });
   return reports;
 }

@@ -24,6 +24,7 @@ class WarpStage {
   const EyeRig rig_;
   const reprojection::WarpOptions options_;
   display::EyePictures pictures_;
+  std::vector<reprojection::Warper> warpers_;  ///< by eye
 };
 
 }  // namespace macula::client_app

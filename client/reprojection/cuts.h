@@ -15,6 +15,8 @@ class Cuts {
        float cut_px);
   /// Difference of inverse depth (1/m) below which nothing needs cutting; infinite without offset.
   float harmless_difference() const { return harmless_; }
+  /// Difference of inverse depth (1/m) that moves by `px` display pixels; infinite without offset.
+  float difference_of(float px) const { return static_cast<float>(px / parallax_px_m_); }
   /// Whether vertices (column, row) and (column + 1, row) hang together; down: and (column, row +
   /// 1).
   bool joined_right(int column, int row) const;
@@ -22,13 +24,15 @@ class Cuts {
 
  private:
   const MeshProjector& mesh_;
+  double parallax_px_m_;  ///< display pixels per difference of inverse depth
   float harmless_;
 };
 
-/// Draws the quad whose top-left vertex is (column, row), cut: each corner keeps its quarter up to
-/// the quad's middle, at its own depth and colour, blended with the corners it is joined to. So a
-/// silhouette ends where its outermost cells end, half a cell beyond their centres.
-void draw_cut_quad(const MeshProjector& mesh, const Cuts& cuts, int column, int row,
-                   Fragments& out);
+/// Looks at the quad whose top-left vertex is (column, row); false where its corners hang together,
+/// and nothing is drawn. Otherwise, under Splat: each corner keeps its quarter up to the quad's
+/// middle, at its own depth and colour, blended with the corners it is joined to. So a silhouette
+/// ends where its outermost cells end, half a cell beyond their centres.
+bool draw_cut_quad(const MeshProjector& mesh, const Cuts& cuts, int column, int row,
+                   WarpOptions::Silhouettes silhouettes, Fragments& out);
 
 }  // namespace macula::reprojection

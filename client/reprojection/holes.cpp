@@ -1,66 +1,67 @@
 #include "client/reprojection/holes.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <span>
 #include <utility>
-#include <vector>
 
 namespace macula::reprojection {
 namespace {
 
-constexpr int kNone = -1;
+using Gap = Holes::Gap;
 
-/// An undrawn pixel and the nearest drawn ones in its row and column (their column or row, or
-/// kNone).
-struct Gap {
-  int x, y;
-  int left, right = kNone, upper, lower = kNone;
+constexpr int kRun = 16;  ///< pixels looked at together: rows are nearly always drawn
 
-  bool enclosed() const {
-    return (left != kNone && right != kNone) || (upper != kNone && lower != kNone);
-  }
-};
-
-/// Top-down: left, right and upper neighbours.
-std::vector<Gap> find_gaps(const Fragments& fragments) {
-  std::vector<Gap> gaps;
-  std::vector<int> upper(static_cast<std::size_t>(fragments.width()), kNone);
-  for (int y = 0; y < fragments.height(); ++y) {
-    const auto row = fragments.row(y);
-    const std::size_t first_of_row = gaps.size();
-    int left = kNone;
-    for (int x = 0; x < fragments.width(); ++x) {
-      if (row[x].drawn()) {
-        left = x;
-        upper[x] = y;
-      } else {
-        gaps.push_back({.x = x, .y = y, .left = left, .upper = upper[x]});
-      }
-    }
-    int right = kNone, x = fragments.width() - 1;
-    for (std::size_t i = gaps.size(); i-- > first_of_row;) {
-      for (; x > gaps[i].x; --x) {
-        if (row[x].drawn()) right = x;
-      }
-      gaps[i].right = right;
-    }
-  }
-  return gaps;
+/// Whether no depth has a sign: what is undrawn is negative.
+bool run_is_drawn(const float* depths) {
+  std::uint32_t any = 0;
+  for (int i = 0; i < kRun; ++i) any |= std::bit_cast<std::uint32_t>(depths[i]);
+  return (any >> 31) == 0;
 }
 
-/// Bottom-up: lower neighbours.
-void find_lower(const Fragments& fragments, std::vector<Gap>& gaps) {
-  std::vector<int> lower(static_cast<std::size_t>(fragments.width()), kNone);
-  std::size_t next = gaps.size();
-  for (int y = fragments.height(); y-- > 0 && next > 0;) {
-    if (gaps[next - 1].y == y) {
-      for (; next > 0 && gaps[next - 1].y == y; --next) {
-        gaps[next - 1].lower = lower[gaps[next - 1].x];
+/// The undrawn pixels of a row, left to right, with their left neighbours.
+void find_row_gaps(const Fragments& fragments, int y, std::vector<Gap>& gaps) {
+  const float* const depths = fragments.inverse_depths(y);
+  int left = Gap::kNone;
+  for (int begin = 0; begin < fragments.width(); begin += kRun) {
+    const int end = std::min(begin + kRun, fragments.width());
+    if (end - begin == kRun && run_is_drawn(depths + begin)) {
+      left = end - 1;
+      continue;
+    }
+    for (int x = begin; x < end; ++x) {
+      if (depths[x] >= 0.0F) {
+        left = x;
+      } else {
+        gaps.push_back({.x = x, .y = y, .left = left});
       }
     }
-    const auto row = fragments.row(y);
-    for (int x = 0; x < fragments.width(); ++x) {
-      if (row[x].drawn()) lower[x] = y;
-    }
+  }
+}
+
+/// Gaps of one row, from its end: the right neighbours.
+void find_right(int width, std::span<Gap> row) {
+  for (std::size_t i = row.size(); i-- > 0;) {
+    const int next = row[i].x + 1;
+    if (next == width) continue;
+    row[i].right = i + 1 < row.size() && row[i + 1].x == next ? row[i + 1].right : next;
+  }
+}
+
+/// Top-down and bottom-up; a gap beside a gap continues it, any other begins beside a drawn pixel.
+void find_upper_and_lower(const Fragments& fragments, std::vector<Gap>& gaps) {
+  std::vector<int> last(static_cast<std::size_t>(fragments.width()), Gap::kNone);
+  for (Gap& gap : gaps) {
+    if (gap.y > 0 && fragments.drawn(gap.x, gap.y - 1)) last[gap.x] = gap.y - 1;
+    gap.upper = last[gap.x];
+  }
+  std::fill(last.begin(), last.end(), Gap::kNone);
+  for (std::size_t i = gaps.size(); i-- > 0;) {
+    Gap& gap = gaps[i];
+    const bool ends = gap.y + 1 < fragments.height() && fragments.drawn(gap.x, gap.y + 1);
+    if (ends) last[gap.x] = gap.y + 1;
+    gap.lower = last[gap.x];
   }
 }
 
@@ -69,28 +70,27 @@ struct Side {
   int x, y, step_x, step_y;
 };
 
-/// The fragment a side offers: the one behind the border pixel, where that is the same surface. The
+/// The pixel a side offers: the one behind the border pixel, where that is the same surface. The
 /// border's own colour is a mixture with what stood before it: its cell was cut by the silhouette.
-Fragment offered_by(const Fragments& fragments, const Side& side) {
+image::Pixel offered_by(const Fragments& fragments, const Side& side) {
   constexpr float kSameSurface = 0.05F;  // relative step of inverse depth within one surface
-  const Fragment border = fragments(side.x, side.y);
   const int x = side.x + side.step_x, y = side.y + side.step_y;
-  if (!fragments.contains(x, y) || !fragments(x, y).drawn()) return border;
-  const Fragment behind = fragments(x, y);
-  const float step = std::abs(behind.inverse_depth - border.inverse_depth);
-  return step <= kSameSurface * border.inverse_depth ? behind : border;
+  if (!fragments.contains(x, y) || !fragments.drawn(x, y)) return {side.x, side.y};
+  const float border = fragments.inverse_depth(side.x, side.y);
+  const float step = std::abs(fragments.inverse_depth(x, y) - border);
+  return step <= kSameSurface * border ? image::Pixel{x, y} : image::Pixel{side.x, side.y};
 }
 
-Fragment farther_of(const Fragments& fragments, const Side& one, const Side& other) {
-  const Fragment a = offered_by(fragments, one), b = offered_by(fragments, other);
-  return a.inverse_depth <= b.inverse_depth ? a : b;
+image::Pixel farther_of(const Fragments& fragments, const Side& one, const Side& other) {
+  const image::Pixel a = offered_by(fragments, one), b = offered_by(fragments, other);
+  return fragments.inverse_depth(a.x, a.y) <= fragments.inverse_depth(b.x, b.y) ? a : b;
 }
 
 /// The farther end of the shorter way across the hole: an uncovered strip is filled across its
 /// width, not along its length, where a third surface may begin.
-Fragment farther_neighbour(const Fragments& fragments, const Gap& gap) {
-  const bool sideways = gap.left != kNone && gap.right != kNone;
-  const bool upright = gap.upper != kNone && gap.lower != kNone;
+image::Pixel farther_neighbour(const Fragments& fragments, const Gap& gap) {
+  const bool sideways = gap.left != Gap::kNone && gap.right != Gap::kNone;
+  const bool upright = gap.upper != Gap::kNone && gap.lower != Gap::kNone;
   if (sideways && (!upright || gap.right - gap.left <= gap.lower - gap.upper)) {
     return farther_of(fragments, {gap.left, gap.y, -1, 0}, {gap.right, gap.y, 1, 0});
   }
@@ -99,19 +99,32 @@ Fragment farther_neighbour(const Fragments& fragments, const Gap& gap) {
 
 }  // namespace
 
-void classify_and_fill(Fragments& fragments, WarpOptions::Holes holes,
-                       image::Plane<Coverage>& coverage) {
-  coverage.resize(fragments.width(), fragments.height(), Coverage::Covered);
-  std::vector<Gap> gaps = find_gaps(fragments);
-  find_lower(fragments, gaps);
-  std::vector<std::pair<Gap, Fragment>> fills;  // written last: fills must not feed on fills
-  for (const Gap& gap : gaps) {
-    coverage(gap.x, gap.y) = gap.enclosed() ? Coverage::Filled : Coverage::Outside;
-    if (gap.enclosed() && holes == WarpOptions::Holes::FillFartherSide) {
-      fills.emplace_back(gap, farther_neighbour(fragments, gap));
+void Holes::note_row(const Fragments& fragments, int y) {
+  const std::size_t first = gaps_.size();
+  find_row_gaps(fragments, y, gaps_);
+  find_right(fragments.width(), std::span(gaps_).subspan(first));
+}
+
+Holes::Counts Holes::classify_and_fill(const Fragments& fragments, WarpOptions::Holes holes,
+                                       image::Plane<Rgb8>& colors,
+                                       image::Plane<Coverage>* coverage) {
+  if (coverage != nullptr) {
+    coverage->resize(fragments.width(), fragments.height(), Coverage::Covered);
+  }
+  find_upper_and_lower(fragments, gaps_);
+  Counts counts;
+  for (const Gap& gap : gaps_) {
+    const bool hole = gap.enclosed();
+    ++(hole ? counts.filled_px : counts.outside_px);
+    if (coverage != nullptr) {
+      (*coverage)(gap.x, gap.y) = hole ? Coverage::Filled : Coverage::Outside;
+    }
+    if (hole && holes == WarpOptions::Holes::FillFartherSide) {
+      const image::Pixel from = farther_neighbour(fragments, gap);  // drawn: never itself a fill
+      colors(gap.x, gap.y) = colors(from.x, from.y);
     }
   }
-  for (const auto& [gap, fragment] : fills) fragments(gap.x, gap.y) = fragment;
+  return counts;
 }
 
 }  // namespace macula::reprojection

@@ -1,14 +1,15 @@
 #include "client/reprojection/mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "client/reprojection/mesh_rules.h"
 
 namespace macula::reprojection {
 namespace {
 
-constexpr float kNear_m = 0.01F;
-/// Least cosine-like component towards the view axis: directions beyond 89.9 degrees have no pixel.
-constexpr float kLeastForward = 1e-3F;
+constexpr int kVector = 16;  ///< floats of the widest
 
 /// Edge, centres, edge.
 std::vector<float> vertex_tangents(const std::vector<float>& edges) {
@@ -22,10 +23,30 @@ std::vector<float> vertex_tangents(const std::vector<float>& edges) {
   return tangents;
 }
 
+void copy_tangents(const std::vector<float>& from, int begin, int cells,
+                   std::array<float, Patch::kStride>& to) {
+  const auto end = std::copy_n(from.begin() + begin, cells + 1, to.begin());
+  std::fill(end, to.end(), std::numeric_limits<float>::infinity());
+}
+
+void project_corners(const Projection& projection, Patch& patch) {
+  Points points{};
+  for (int i = 0; i < 4; ++i) {
+    const int column = (i & 1) * patch.columns, row = (i >> 1) * patch.rows;
+    points.x_tangent[i] = patch.x_tangents[column], points.y_tangent[i] = patch.y_tangents[row];
+    points.source_inverse[i] = patch.source_inverse[Patch::at(column, row)];
+  }
+  project_points(projection, points);
+  for (int i = 0; i < 4; ++i) {
+    const std::size_t at = Patch::at((i & 1) * patch.columns, (i >> 1) * patch.rows);
+    patch.x[at] = points.x[i], patch.y[at] = points.y[i];
+    patch.inverse_depth[at] = points.inverse_depth[i], patch.nearness[at] = points.nearness[i];
+  }
+}
+
 }  // namespace
 
 float sound_inverse_depth(float value) {
-  constexpr float kNearest_per_m = 1000.0F;
   if (!(value > 0.0F) || std::isinf(value)) return 0.0F;  // also NaN
   return std::min(value, kNearest_per_m);
 }
@@ -43,14 +64,14 @@ MeshProjector::MeshProjector(const SourceView& source, const RelativeView& relat
                              const foveation::Display& display)
     : source_(source),
       x_tangents_(vertex_tangents(source.grid.x_edges)),
-      y_tangents_(vertex_tangents(source.grid.y_edges)),
-      from_x_(relative.rotation[0]),
-      from_y_(-relative.rotation[1]),  // tangents grow downwards
-      from_forward_(-relative.rotation[2]),
-      offset_m_(relative.offset_m) {
+      y_tangents_(vertex_tangents(source.grid.y_edges)) {
+  projection_.from_x = Vec3(relative.rotation[0]);
+  projection_.from_y = Vec3(-relative.rotation[1]);  // tangents grow downwards
+  projection_.from_forward = Vec3(-relative.rotation[2]);
+  projection_.offset_m = Vec3(relative.offset_m);
   const DVec2 scale = 1.0 / display.pixel_tangent();
-  pixels_per_tangent_ = Vec2(scale);
-  first_pixel_ = Vec2(-display.fov.tangent_min() * scale - 0.5);
+  projection_.pixels_per_tangent = Vec2(scale);
+  projection_.first_pixel = Vec2(-display.fov.tangent_min() * scale - 0.5);
 }
 
 float MeshProjector::inverse_depth(int column, int row) const {
@@ -59,31 +80,39 @@ float MeshProjector::inverse_depth(int column, int row) const {
 }
 
 Vertex MeshProjector::project(float x_tangent, float y_tangent, float inverse_depth) const {
+  const Projection& p = projection_;
   const Vec3 direction =
-      from_forward_ + y_tangent * from_y_ + x_tangent * from_x_ + inverse_depth * offset_m_;
+      p.from_forward + y_tangent * p.from_y + x_tangent * p.from_x + inverse_depth * p.offset_m;
   const float forward = -direction.z;  // display depth over source depth
   if (!(forward > kLeastForward && forward > kNear_m * inverse_depth)) {
     constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
     return {kNowhere, kNowhere, 0.0F, 0.0F, 0.0F};
   }
   const float scale = 1.0F / forward;
-  return {direction.x * scale * pixels_per_tangent_.x + first_pixel_.x,
-          -direction.y * scale * pixels_per_tangent_.y + first_pixel_.y, inverse_depth * scale,
+  return {direction.x * scale * p.pixels_per_tangent.x + p.first_pixel.x,
+          -direction.y * scale * p.pixels_per_tangent.y + p.first_pixel.y, inverse_depth * scale,
           0.0F, 0.0F};
 }
 
-void MeshProjector::project_row(int row, VertexRow& out) const {
+void MeshProjector::load(int column, int row, int columns, int rows, Patch& out) const {
+  out.column = column, out.row = row, out.columns = columns, out.rows = rows;
+  copy_tangents(x_tangents_, column, columns, out.x_tangents);
+  copy_tangents(y_tangents_, row, rows, out.y_tangents);
   const auto& plane = source_.inverse_depth_per_m;
-  const auto depths = plane.row(cell_of(row, plane.height()));
-  out.vertices.resize(x_tangents_.size());
-  out.inverse_depths.resize(x_tangents_.size());
-  for (int i = 0; i < columns(); ++i) {
-    const float inverse_depth = sound_inverse_depth(depths[cell_of(i, plane.width())]);
-    out.inverse_depths[i] = inverse_depth;
-    out.vertices[i] = project(x_tangents_[i], y_tangents_[row], inverse_depth);
-    out.vertices[i].u = static_cast<float>(i - 1);
-    out.vertices[i].v = static_cast<float>(row - 1);
+  DepthRows depths{};
+  const bool inside = column >= 1 && column - 1 + Patch::kRows + kVector <= plane.width();
+  for (int j = 0; j <= rows; ++j) {
+    const auto from = plane.row(cell_of(row + j, plane.height()));
+    if (inside) {
+      depths[j] = from.data() + (column - 1);
+      continue;
+    }
+    float* const to = out.source_inverse.data() + Patch::at(0, j);
+    for (int i = 0; i <= columns; ++i) to[i] = from[cell_of(column + i, plane.width())];
+    depths[j] = to;
   }
+  load_depths(depths, out);
+  project_corners(projection_, out);
 }
 
 }  // namespace macula::reprojection

@@ -3,8 +3,10 @@
 // centre of cell i - 1; so the mesh reaches as far as the outermost cells do.
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "client/reprojection/patch.h"
 #include "client/reprojection/raster.h"
 #include "client/reprojection/warp.h"
 
@@ -23,11 +25,27 @@ struct RelativeView {
 RelativeView relative_view(const Pose& stage_from_source, const Pose& stage_from_display,
                            WarpOptions::Method method);
 
-/// One row of vertices, u and v included, and their inverse depth in source space (1/m).
-struct VertexRow {
-  std::vector<Vertex> vertices;
-  std::vector<float> inverse_depths;
+/// What projects a vertex: a display direction per unit of source tangent, and pixels of that.
+struct Projection {
+  Vec3 from_x, from_y, from_forward, offset_m;
+  Vec2 pixels_per_tangent, first_pixel;  ///< pixel = tangent * scale + first
 };
+/// Inverse depths of a patch's vertex rows, as they came: a whole patch may be read from each.
+using DepthRows = std::array<const float*, Patch::kRows>;
+/// Fills a patch's source_inverse.
+void load_depths(const DepthRows& depths, Patch& patch);
+/// Fills everything that follows from tangents and source_inverse.
+void project_patch(const Projection& projection, Patch& patch);
+
+/// Vertices of no patch, by tangent and sound inverse depth in source space.
+struct Points {
+  static constexpr int kCount = 16;
+  alignas(64) float x_tangent[kCount], y_tangent[kCount], source_inverse[kCount];
+  alignas(64) float x[kCount], y[kCount], inverse_depth[kCount];  ///< as Vertex
+  alignas(64) float nearness[kCount];                             ///< as in Patch
+};
+/// From the first three members to the others.
+void project_points(const Projection& projection, Points& points);
 
 class MeshProjector {
  public:
@@ -44,16 +62,18 @@ class MeshProjector {
     return vertex < 1 ? 0 : vertex > size ? size - 1 : vertex - 1;
   }
   float inverse_depth(int column, int row) const;
-  /// The vertex at a tangent of the source view, at a depth in source space.
+  const Projection& projection() const { return projection_; }
+  /// The vertex at a tangent of the source view, at a depth in source space. The oracle of
+  /// project_patch and project_points.
   Vertex project(float x_tangent, float y_tangent, float inverse_depth) const;
-  void project_row(int row, VertexRow& out) const;
+  /// The mesh's cells (column, row) to (column + columns, row + rows): tangents and source depths,
+  /// and only the four outermost corners projected; project_patch does the rest.
+  void load(int column, int row, int columns, int rows, Patch& out) const;
 
  private:
   const SourceView& source_;
   std::vector<float> x_tangents_, y_tangents_;
-  Vec3 from_x_, from_y_, from_forward_,
-      offset_m_;                           ///< display direction per unit of source tangent
-  Vec2 pixels_per_tangent_, first_pixel_;  ///< pixel = tangent * scale + first
+  Projection projection_;
 };
 
 }  // namespace macula::reprojection

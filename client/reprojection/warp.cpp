@@ -1,46 +1,155 @@
 #include "client/reprojection/warp.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <vector>
 
 #include "client/reprojection/cuts.h"
 #include "client/reprojection/holes.h"
+#include "client/reprojection/raster_rules.h"
 #include "client/reprojection/resolve.h"
 
 namespace macula::reprojection {
 namespace {
 
-/// Largest difference of inverse depth between the corners of a quad, in source space.
-float spread(const VertexRow& upper, const VertexRow& lower, int column) {
-  const float a = upper.inverse_depths[column], b = upper.inverse_depths[column + 1];
-  const float c = lower.inverse_depths[column], d = lower.inverse_depths[column + 1];
-  return std::max(std::max(a, b), std::max(c, d)) - std::min(std::min(a, b), std::min(c, d));
-}
+/// A patch of the mesh as the first look leaves it.
+struct PatchPlace {
+  int column, row, columns, rows;
+  RowRange pixel_rows;
+  bool flat;  ///< `shape` is all there is to draw
+  BlockShape shape;
+};
 
-void draw_mesh(const MeshProjector& mesh, const Cuts& cuts, Fragments& out) {
-  VertexRow upper, lower;
-  mesh.project_row(0, upper);
-  for (int row = 0; row + 1 < mesh.rows(); ++row) {
-    mesh.project_row(row + 1, lower);
-    const Vertex *above = upper.vertices.data(), *below = lower.vertices.data();
-    for (int column = 0; column + 1 < mesh.columns(); ++column) {
-      if (spread(upper, lower, column) >= cuts.harmless_difference()) {
-        draw_cut_quad(mesh, cuts, column, row, out);
+/// The whole mesh, patch by patch: flat blocks as one, the rest cell by cell. Patches are looked at
+/// once, and again with each band of the display that those which are not flat reach.
+class MeshDrawing {
+ public:
+  MeshDrawing(const MeshProjector& mesh, const Cuts& cuts, const WarpOptions& options,
+              std::vector<PatchPlace>& places, Patch& patch)
+      : mesh_(mesh),
+        cuts_(cuts),
+        options_(options),
+        flat_difference_(options.detail_px > 0.0F ? cuts.difference_of(options.detail_px) : -1.0F),
+        places_(places),
+        patch_(patch) {
+    find_places();
+  }
+
+  void draw(Fragments& out) {
+    const auto top = static_cast<float>(out.first_row());
+    const auto bottom = static_cast<float>(out.end_row() - 1);
+    for (const PatchPlace& place : places_) {
+      if (!(place.pixel_rows.first <= bottom && place.pixel_rows.last >= top)) continue;
+      if (place.flat) {
+        draw_block(place.shape, options_.detail_px, out);
       } else {
-        draw_quad(above[column], above[column + 1], below[column], below[column + 1], out);
+        mesh_.load(place.column, place.row, place.columns, place.rows, patch_);
+        project_patch(mesh_.projection(), patch_);
+        draw_patch(out);
       }
     }
-    std::swap(upper, lower);
   }
-}
 
-WarpReport count(const image::Plane<Coverage>& coverage) {
-  WarpReport report;
-  for (const Coverage c : coverage.pixels()) {
-    report.covered_px += c == Coverage::Covered ? 1 : 0;
-    report.filled_px += c == Coverage::Filled ? 1 : 0;
-    report.outside_px += c == Coverage::Outside ? 1 : 0;
+ private:
+  static constexpr int kSmallestBlock = 4;  ///< cells a side
+
+  /// How many cells a patch takes that begins at vertex `first` of `vertices`. The first and the
+  /// last column and row are half a cell wide: patches of their own.
+  static int cells_from(int first, int vertices) {
+    const int last_inner = vertices - 2;  // the vertex before the outer edge
+    return first == 0 || first == last_inner ? 1 : std::min(Patch::kCells, last_inner - first);
   }
-  return report;
+
+  void find_places() {
+    places_.clear();
+    for (int row = 0; row + 1 < mesh_.rows(); row += patch_.rows) {
+      const int rows = cells_from(row, mesh_.rows());
+      for (int column = 0; column + 1 < mesh_.columns(); column += patch_.columns) {
+        const int columns = cells_from(column, mesh_.columns());
+        mesh_.load(column, row, columns, rows, patch_);
+        places_.push_back(place_of_patch());
+      }
+    }
+  }
+
+  PatchPlace place_of_patch() {
+    const Block whole{0, 0, patch_.columns, patch_.rows};
+    PatchPlace place{patch_.column, patch_.row, patch_.columns, patch_.rows, {}, false, {}};
+    place.flat = is_flat(patch_, whole, flat_difference_);
+    if (place.flat) {
+      place.shape = shape_of(patch_, whole);
+      place.pixel_rows = place.shape.pixel_rows();
+    } else {
+      project_patch(mesh_.projection(), patch_);
+      place.pixel_rows = pixel_rows(patch_);
+    }
+    const float extent = place.pixel_rows.last - place.pixel_rows.first;
+    const float grow_px = kGrow * extent + 1.0F + options_.detail_px;
+    place.pixel_rows.first -= grow_px, place.pixel_rows.last += grow_px;
+    return place;
+  }
+
+  void draw_patch(Fragments& out) {
+    single_.fill(0);
+    draw_halves({0, 0, patch_.columns, patch_.rows}, out);
+    for (int row = 0; row < patch_.rows; ++row) {
+      if (single_[row] != 0) draw_singles(row, out);
+    }
+  }
+
+  void draw_blocks(const Block& block, Fragments& out) {
+    if (is_flat(patch_, block, flat_difference_)) {
+      draw_block(shape_of(patch_, block), options_.detail_px, out);
+    } else {
+      draw_halves(block, out);
+    }
+  }
+
+  void draw_halves(const Block& block, Fragments& out) {
+    const int left = (block.columns + 1) / 2, upper = (block.rows + 1) / 2;
+    const int right = block.columns - left, lower = block.rows - upper;
+    if (std::max(left, upper) < kSmallestBlock || right == 0 || lower == 0) {
+      const CellBits bits = static_cast<CellBits>((std::uint64_t{1} << block.columns) - 1);
+      for (int row = 0; row < block.rows; ++row) single_[block.row + row] |= bits << block.column;
+      return;
+    }
+    draw_blocks({block.column, block.row, left, upper}, out);
+    draw_blocks({block.column + left, block.row, right, upper}, out);
+    draw_blocks({block.column, block.row + upper, left, lower}, out);
+    draw_blocks({block.column + left, block.row + upper, right, lower}, out);
+  }
+
+  void draw_singles(int row, Fragments& out) {
+    CellBits whole = single_[row];
+    CellBits steps = cells_with_steps(patch_, row, cuts_.harmless_difference()) & whole;
+    for (; steps != 0; steps &= steps - 1) {
+      const int column = std::countr_zero(steps);
+      const int mesh_column = patch_.column + column, mesh_row = patch_.row + row;
+      if (draw_cut_quad(mesh_, cuts_, mesh_column, mesh_row, options_.silhouettes, out)) {
+        whole &= ~(CellBits{1} << column);
+      }
+    }
+    CellBits large = draw_cells(patch_, row, whole, out);
+    for (; large != 0; large &= large - 1) {
+      draw_block(shape_of(patch_, {std::countr_zero(large), row, 1, 1}), 0.0F, out);
+    }
+  }
+
+  const MeshProjector& mesh_;
+  const Cuts& cuts_;
+  const WarpOptions& options_;
+  const float flat_difference_;
+  std::vector<PatchPlace>& places_;
+  Patch& patch_;
+  std::array<CellBits, Patch::kCells> single_{};
+};
+
+/// Rows of a band: what is drawn there stays in a second-level cache of a megabyte.
+constexpr int kBandBytes = 600'000;
+int band_rows(int width) {
+  return std::max(kBandBytes / (width * static_cast<int>(sizeof(Fragment))), 8);
 }
 
 void check_sizes(const SourceView& source, const foveation::Display& display) {
@@ -55,23 +164,54 @@ void check_sizes(const SourceView& source, const foveation::Display& display) {
 
 }  // namespace
 
-WarpReport warp(const SourceView& source, const Pose& stage_from_display,
-                const foveation::Display& display, const WarpOptions& options,
-                image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage) {
+struct Warper::Memory {
+  Patch patch;
+  std::vector<PatchPlace> places;
+  Fragments fragments;
+  Holes holes;
+};
+
+Warper::Warper() : memory_(std::make_unique<Memory>()) {}
+Warper::~Warper() = default;
+Warper::Warper(Warper&&) noexcept = default;
+Warper& Warper::operator=(Warper&&) noexcept = default;
+
+WarpReport Warper::warp(const SourceView& source, const Pose& stage_from_display,
+                        const foveation::Display& display, const WarpOptions& options,
+                        image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage) {
   check_sizes(source, display);
   const RelativeView relative =
       relative_view(source.stage_from_view, stage_from_display, options.method);
   const MeshProjector mesh(source, relative, display);
-  const Cuts cuts(mesh, relative, display, options.cut_px);
+  const bool stretched = options.silhouettes == WarpOptions::Silhouettes::Stretch;
+  const Cuts cuts(mesh, relative, display,
+                  stretched ? std::numeric_limits<float>::infinity() : options.cut_px);
 
-  Fragments fragments(display.width_px, display.height_px);
-  draw_mesh(mesh, cuts, fragments);
+  const Resolver resolver(source, display, options.filter);
+  auto& [patch, places, fragments, holes] = *memory_;
+  fragments.resize(display.width_px, display.height_px);
+  holes.clear();
+  if (out.width() != display.width_px || out.height() != display.height_px) {
+    out.resize(display.width_px, display.height_px);
+  }
+  MeshDrawing drawing(mesh, cuts, options, places, patch);
+  const int rows = band_rows(display.width_px);
+  for (int first = 0; first < display.height_px; first += rows) {
+    fragments.begin_band(first, std::min(first + rows, display.height_px));
+    drawing.draw(fragments);
+    for (int y = first; y < fragments.end_row(); ++y) holes.note_row(fragments, y);
+    resolver.resolve_band(fragments, out);
+  }
+  const auto counts = holes.classify_and_fill(fragments, options.holes, out, coverage);
+  const auto pixels =
+      static_cast<std::uint64_t>(display.width_px) * static_cast<std::uint64_t>(display.height_px);
+  return {pixels - counts.filled_px - counts.outside_px, counts.filled_px, counts.outside_px};
+}
 
-  image::Plane<Coverage> own;
-  image::Plane<Coverage>& marks = coverage != nullptr ? *coverage : own;
-  classify_and_fill(fragments, options.holes, marks);
-  resolve_colors(fragments, source.color, options.filter, out);
-  return count(marks);
+WarpReport warp(const SourceView& source, const Pose& stage_from_display,
+                const foveation::Display& display, const WarpOptions& options,
+                image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage) {
+  return Warper().warp(source, stage_from_display, display, options, out, coverage);
 }
 
 }  // namespace macula::reprojection

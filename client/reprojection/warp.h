@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "shared/foveation/pixel_grid.h"
 #include "shared/image/color.h"
@@ -29,14 +30,24 @@ struct WarpOptions {
   /// RotationOnly ignores the camera's offset, Stale its turn as well: what to compare Mesh with.
   enum class Method { Mesh, RotationOnly, Stale };
   Method method = Method::Mesh;
-  /// Cut the mesh between two cells when their parallax differs by more than this many display
-  /// pixels and they do not lie on one plane.
+  /// Cells that lie on one plane to within this many display pixels of parallax are drawn as one
+  /// block of up to 31 x 31; 0 draws every cell. kGridDetail_px is the grid mode of slow machines.
+  float detail_px = kFullDetail_px;
+  static constexpr float kFullDetail_px = 0.01F, kGridDetail_px = 0.5F;
+  /// Between two cells whose parallax differs by more than `cut_px` display pixels and that do not
+  /// lie on one plane: Stretch draws the mesh on, as rubber; Cut leaves the whole cell between them
+  /// open; Splat gives each side the half that is nearer to it.
+  enum class Silhouettes { Stretch, Cut, Splat };
+  Silhouettes silhouettes = Silhouettes::Splat;
   float cut_px = 0.75F;
   enum class Holes { FillFartherSide, LeaveBlack };
   Holes holes = Holes::FillFartherSide;
   /// Between cell centres. CatmullRom keeps detail that Bilinear blurs: 4 dB on waves of 7.5 cells.
-  enum class Filter { Bilinear, CatmullRom };
-  Filter filter = Filter::CatmullRom;
+  /// Fovea takes CatmullRom where cells are at most kFine_px wide and high on the display, and
+  /// Bilinear elsewhere, where a picture is blurred anyway.
+  enum class Filter { Bilinear, CatmullRom, Fovea };
+  Filter filter = Filter::Fovea;
+  static constexpr float kFine_px = 1.5F;
 };
 
 /// Pixels of the display by where their colour comes from.
@@ -55,9 +66,27 @@ enum class Coverage : std::uint8_t { Outside, Covered, Filled };
 
 /// `out` (and `coverage` unless null) get the display's size. Colours are interpolated between cell
 /// centres in display-encoded values; a display pixel that falls on a cell's centre gets that
-/// cell's colour to the bit. Geometry nearer than 1 cm to the display eye is left out.
+/// cell's colour to the bit. Geometry nearer than 1 cm to the display eye is left out. The same
+/// bits on every instruction set.
 WarpReport warp(const SourceView& source, const Pose& stage_from_display,
                 const foveation::Display& display, const WarpOptions& options,
                 image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage = nullptr);
+
+/// The same from frame to frame, one thread each: keeps its memory.
+class Warper {
+ public:
+  Warper();
+  ~Warper();
+  Warper(Warper&&) noexcept;
+  Warper& operator=(Warper&&) noexcept;
+
+  WarpReport warp(const SourceView& source, const Pose& stage_from_display,
+                  const foveation::Display& display, const WarpOptions& options,
+                  image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage = nullptr);
+
+ private:
+  struct Memory;
+  std::unique_ptr<Memory> memory_;
+};
 
 }  // namespace macula::reprojection

@@ -63,9 +63,14 @@ TEST(Cuts, ACutQuadKeepsEachCornersQuarterAtItsOwnDepth) {
   const Cuts cuts(looks, sideways, display, 0.75F);
   Fragments out(200, 200);
   for (int row = 1; row < 6; ++row)
-    for (int column = 1; column < 4; ++column) draw_cut_quad(looks, cuts, column, row, out);
-  for (int x = 0; x < 4; ++x) {
-    const Fragment& f = out(x, 2);
+    for (int column = 1; column < 4; ++column) {
+      const auto splat = WarpOptions::Silhouettes::Splat;
+      EXPECT_EQ(draw_cut_quad(looks, cuts, column, row, splat, out), column == 2);
+    }
+  EXPECT_FALSE(out.drawn(0, 2));  // what hangs together is left to others
+  EXPECT_FALSE(out.drawn(3, 2));
+  for (int x = 1; x < 3; ++x) {
+    const Fragment f = out(x, 2);
     EXPECT_NEAR(f.inverse_depth, x < 2 ? 2.0F : 0.5F, 1e-5F) << x;
     EXPECT_NEAR(f.u, static_cast<float>(x), 1e-3F);
     EXPECT_NEAR(f.v, 2.0F, 1e-3F);

@@ -11,7 +11,8 @@ namespace {
 
 int drawn_count(const Fragments& fragments) {
   int count = 0;
-  for (const Fragment& f : fragments.pixels()) count += f.drawn() ? 1 : 0;
+  for (int y = 0; y < fragments.height(); ++y)
+    for (int x = 0; x < fragments.width(); ++x) count += fragments.drawn(x, y) ? 1 : 0;
   return count;
 }
 
