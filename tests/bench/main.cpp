@@ -19,8 +19,10 @@
 #include "tests/bench/lightcuts.h"
 #include "tests/bench/motion.h"
 #include "tests/bench/ray.h"
+#include "tests/bench/reprojection.h"
 #include "tests/bench/sphere.h"
 #include "tests/bench/still.h"
+#include "tests/bench/warp.h"
 
 namespace macula::bench {
 namespace {
@@ -403,6 +405,89 @@ Run declare_ray(CLI::App& command) {
   };
 }
 
+Run declare_reprojection(CLI::App& command) {
+  auto options = std::make_shared<ReprojectionOptions>();
+  auto quick = std::make_shared<bool>(false);
+  command.add_option("--scenes", options->scenes, "Built-in scenes or scene files")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (posts,atrium,city)");
+  command.add_option("--traces", options->traces, "Recorded heads; else a made-up one")
+      ->delimiter(',')
+      ->option_text("FILE.csv,...");
+  command.add_option("--latencies", options->latencies_ms, "Milliseconds")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 400.0))
+      ->option_text("MS,... (0,20,50,100,150,200)");
+  command.add_option("--methods", options->methods, "What to measure")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"stale", "rotation", "rotation_guard", "mesh", "mesh_cut",
+                             "mesh_cut_splat", "predicted"}))
+      ->option_text("stale,rotation,rotation_guard,mesh,mesh_cut,mesh_cut_splat,predicted (all)");
+  command.add_option("--source-scales", options->source_scales, "Cells a pixel along an axis")
+      ->delimiter(',')
+      ->check(CLI::Range(0.25, 4.0))
+      ->option_text("N,... (1,1.5)");
+  command.add_option("--material", options->material, "lambert for the bars; full apart from them")
+      ->check(CLI::IsMember({"lambert", "full"}))
+      ->option_text("lambert|full (lambert)");
+  command.add_option("--poses", options->poses, "Of a row")
+      ->check(CLI::Range(1, 1000))
+      ->option_text("N (10)");
+  command.add_option("--threads", options->threads, "0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N (0)");
+  command.add_option("--json", options->json, "Report; rows it holds already are kept")
+      ->option_text("FILE.json");
+  command.add_option("--pictures", options->pictures, "Of the last pose, with their errors")
+      ->option_text("FOLDER");
+  command.add_flag("--quick", *quick, "Two scenes, 0, 50 and 100 ms, scale 1, three poses");
+  return [options, quick, &command]() -> Result<void> {
+    if (*quick) {
+      const ReprojectionOptions given = *options;
+      make_quick(*options);
+      if (command.count("--scenes") > 0) options->scenes = given.scenes;
+      if (command.count("--latencies") > 0) options->latencies_ms = given.latencies_ms;
+      if (command.count("--source-scales") > 0) options->source_scales = given.source_scales;
+      if (command.count("--poses") > 0) options->poses = given.poses;
+    }
+    return run_reprojection(*options);
+  };
+}
+
+Run declare_warp(CLI::App& command) {
+  auto options = std::make_shared<WarpCostOptions>();
+  auto size = std::make_shared<std::string>();
+  command.add_option("--scenes", options->scenes, "Built-in scenes or scene files")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (posts,atrium,city)");
+  command.add_option("--grids", options->grids, "Where frames are sampled")
+      ->delimiter(',')
+      ->option_text("uniform,foveal (both)");
+  command.add_option("--methods", options->methods, "What to measure")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"every_cell", "full", "bilinear", "grid", "rotation"}))
+      ->option_text("every_cell,full,bilinear,grid,rotation (all)");
+  command.add_option("--size", *size, "Pixels an eye (1440x1600)")->option_text("WxH");
+  command.add_option("--fov", options->vertical_fov_deg, "Vertical field of view, degrees")
+      ->check(CLI::Range(10.0, 140.0))
+      ->option_text("DEG (90)");
+  command.add_option("--guard", options->guard_deg, "Degrees rendered beyond it on every side")
+      ->check(CLI::Range(0.0, 30.0))
+      ->option_text("DEG (8)");
+  command.add_option("--repetitions", options->repetitions, "Of which the fastest counts")
+      ->check(CLI::Range(1, 1000))
+      ->option_text("N (7)");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  return [options, size]() -> Result<void> {
+    if (!size->empty()) {
+      const auto pixels = parse_size("--size", *size);
+      if (!pixels) return base::forward(pixels);
+      options->width_px = pixels->width_px, options->height_px = pixels->height_px;
+    }
+    return run_warp_cost(*options);
+  };
+}
+
 constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
@@ -412,6 +497,8 @@ constexpr Experiment kExperiments[] = {
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},
+    {"reprojection", "What each way of hiding latency is worth", declare_reprojection},
+    {"warp", "What the client's warp costs", declare_warp},
 };
 
 int complain(const Error& error) {

@@ -1,0 +1,43 @@
+// `macula-bench reprojection`: what each way of hiding latency is worth. A frame rendered for the
+// head of `latency_ms` ago is warped to the head of now and compared with the renderer at exactly
+// that pose: 60 degrees, 9.07 pixels a degree, 12 degrees of guard band, 3x3 fixed samples on both
+// sides. Rows
+//   scene trace latency_ms method codec foveated source_scale material layers poses psnr_db
+//   psnr_p10_db gp_psnr_db flip holes_pct outside_guard_pct error_filled_pct error_silhouette_pct
+//   cpu_ms resampling_ceiling_db turn_deg offset_cm
+// Figures are medians over the poses whose residual turn lies inside the guard band, psnr_p10_db
+// the 10th percentile; psnr and flip count every pixel, black ones too. resampling_ceiling_db is
+// what the filter does at its worst: a frame of the very pose, its cells half a pixel off. error_*
+// are shares of the squared error: of filled pixels, of others within two pixels of another
+// surface; turn_deg and offset_cm are what is left between the rendered and the shown pose.
+// Methods, each more than the one before: stale, rotation (without a guard band), rotation_guard,
+// mesh (stretched over silhouettes), mesh_cut, mesh_cut_splat, predicted (mesh_cut_splat of a frame
+// rendered at the pose that pose::Predictor foretold at 72 samples a second).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "shared/base/result.h"
+
+namespace macula::bench {
+
+struct ReprojectionOptions {
+  std::vector<std::string> scenes{"posts", "atrium", "city"};
+  std::vector<std::string> traces;  ///< CSV files; none: the client's made-up viewer
+  std::vector<double> latencies_ms{0.0, 20.0, 50.0, 100.0, 150.0, 200.0};
+  std::vector<std::string> methods;  ///< empty: all
+  std::vector<double> source_scales{1.0, 1.5};
+  std::string material = "lambert";
+  int poses = 10;        ///< of a row
+  int threads = 0;       ///< of the renderer
+  std::string pictures;  ///< folder: pictures of the last pose, and of their errors
+  std::string json;      ///< rows it holds already are kept
+};
+/// Two scenes, latencies 0, 50 and 100 ms, source scale 1, three poses.
+void make_quick(ReprojectionOptions& options);
+
+/// Prints the table. Errors name the option, scene or trace at fault.
+Result<void> run_reprojection(const ReprojectionOptions& options);
+
+}  // namespace macula::bench
