@@ -9,14 +9,16 @@ const char* name(DisplayKind kind) {
   return kind == DisplayKind::Window ? "window" : "headless";
 }
 
-const char* name(reprojection::WarpOptions::Method method) {
-  using Method = reprojection::WarpOptions::Method;
-  switch (method) {
-    case Method::Mesh:
+const char* name(ClientConfig::Warp warp) {
+  using Warp = ClientConfig::Warp;
+  switch (warp) {
+    case Warp::Mesh:
       return "mesh";
-    case Method::RotationOnly:
+    case Warp::Grid:
+      return "grid";
+    case Warp::Rotation:
       return "rotation";
-    case Method::Stale:
+    case Warp::Stale:
       return "stale";
   }
   return "?";
@@ -32,6 +34,21 @@ std::string or_server_default(const std::string& wish) {
 }
 
 }  // namespace
+
+reprojection::WarpOptions warp_options(ClientConfig::Warp warp) {
+  using reprojection::WarpOptions;
+  switch (warp) {
+    case ClientConfig::Warp::Mesh:
+      break;
+    case ClientConfig::Warp::Grid:
+      return {.detail_px = WarpOptions::kGridDetail_px, .filter = WarpOptions::Filter::Bilinear};
+    case ClientConfig::Warp::Rotation:
+      return {.method = WarpOptions::Method::RotationOnly};
+    case ClientConfig::Warp::Stale:
+      return {.method = WarpOptions::Method::Stale};
+  }
+  return {};
+}
 
 foveation::Display eye_display(const ClientConfig& config) {
   const double aspect = static_cast<double>(config.width_px) / config.height_px;

@@ -45,7 +45,10 @@ struct ClientConfig {
   Meters convergence{1.0};  ///< the eyes' gazes meet this far along the head's gaze
   double refresh_hz = 72.0;
   Pacing pacing = Pacing::RealTime;
-  reprojection::WarpOptions::Method warp = reprojection::WarpOptions::Method::Mesh;
+  /// How the newest frame is brought to the display. Grid: the mesh of slow machines, in blocks to
+  /// half a pixel and with the cheaper filter.
+  enum class Warp { Mesh, Grid, Rotation, Stale };
+  Warp warp = Warp::Mesh;
 
   std::string trace_file;  ///< empty: the demo trace (headless) or mouse and keys (window)
   enum class Repeat { No, Yes };
@@ -58,6 +61,7 @@ struct ClientConfig {
   StageDelays delays;
 };
 
+reprojection::WarpOptions warp_options(ClientConfig::Warp warp);
 /// Each eye's display: the same size and a symmetric frustum.
 foveation::Display eye_display(const ClientConfig& config);
 net::Hello make_hello(const ClientConfig& config);

@@ -9,12 +9,6 @@
 namespace macula::client_app {
 namespace {
 
-reprojection::WarpOptions warp_options(const ClientConfig& config) {
-  reprojection::WarpOptions options;
-  options.method = config.warp;
-  return options;
-}
-
 void sleep_for(Nanoseconds delay) {
   if (delay > Nanoseconds{0}) std::this_thread::sleep_for(delay);
 }
@@ -26,7 +20,7 @@ DisplayLoop::DisplayLoop(const ClientConfig& config, const LoopParts& parts)
       parts_(parts),
       rig_{eye_display(config), config.eyes, config.ipd, config.convergence},
       refreshes_(parts.clock, config.refresh_hz, config.pacing),
-      warps_(rig_, warp_options(config)),
+      warps_(rig_, warp_options(config.warp)),
       last_news_(now()) {}
 
 display::RunEnd DisplayLoop::run() {

@@ -81,9 +81,10 @@ void add_display_options(CLI::App& app, Typed& typed) {
       ->option_text("HZ (72)")
       ->check(within(1.0, 1000.0));
   app.add_option("--reprojection", typed.reprojection,
-                 "How the newest frame is brought to the display's pose")
-      ->option_text("mesh|rotation|stale (mesh)")
-      ->check(CLI::IsMember({"mesh", "rotation", "stale"}));
+                 "How the newest frame is brought to the display's pose; grid is a coarser mesh "
+                 "for slow machines")
+      ->option_text("mesh|grid|rotation|stale (mesh)")
+      ->check(CLI::IsMember({"mesh", "grid", "rotation", "stale"}));
   app.add_option("--out", typed.out, "Folder for pictures and report.json")
       ->option_text("DIR (headless: macula-out)");
   app.add_option("--picture-every", typed.picture_every, "Write every Nth shown frame as PNG")
@@ -116,11 +117,13 @@ DisplayKind display_kind(const Typed& typed, const Environment& environment) {
                                                                             : DisplayKind::Headless;
 }
 
-reprojection::WarpOptions::Method warp_method(const std::string& name) {
-  using Method = reprojection::WarpOptions::Method;
-  static const std::map<std::string, Method> kMethods = {
-      {"mesh", Method::Mesh}, {"rotation", Method::RotationOnly}, {"stale", Method::Stale}};
-  return kMethods.at(name);
+ClientConfig::Warp warp_of(const std::string& name) {
+  using Warp = ClientConfig::Warp;
+  static const std::map<std::string, Warp> kWarps = {{"mesh", Warp::Mesh},
+                                                     {"grid", Warp::Grid},
+                                                     {"rotation", Warp::Rotation},
+                                                     {"stale", Warp::Stale}};
+  return kWarps.at(name);
 }
 
 Result<Options> make_options(const Typed& typed, const Environment& environment) {
@@ -147,7 +150,7 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   config.ipd = Meters{1e-3 * typed.ipd_mm};
   config.refresh_hz = typed.refresh_hz;
   config.pacing = typed.fast ? Pacing::AsFastAsPossible : Pacing::RealTime;
-  config.warp = warp_method(typed.reprojection);
+  config.warp = warp_of(typed.reprojection);
   config.trace_file = typed.trace;
   config.repeat_trace = typed.loop ? ClientConfig::Repeat::Yes : ClientConfig::Repeat::No;
   config.frames = typed.frames;

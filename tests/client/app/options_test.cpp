@@ -77,8 +77,17 @@ TEST(ClientOptions, FillTheConfigInItsUnits) {
   EXPECT_EQ(config.settings.fovea_oversampling, 1.5);
   EXPECT_EQ(config.settings.rate_model, "ray-small");
   EXPECT_DOUBLE_EQ(config.ipd.value(), 0.060);
-  EXPECT_EQ(config.warp, reprojection::WarpOptions::Method::RotationOnly);
+  EXPECT_EQ(config.warp, ClientConfig::Warp::Rotation);
   EXPECT_EQ(config.repeat_trace, ClientConfig::Repeat::Yes);
+}
+
+TEST(ClientOptions, SlowMachinesMayTakeTheCoarseMesh) {
+  using reprojection::WarpOptions;
+  EXPECT_EQ(config_of({}).warp, ClientConfig::Warp::Mesh);
+  const ClientConfig config = config_of({"--reprojection", "grid"});
+  EXPECT_EQ(warp_options(config.warp).detail_px, WarpOptions::kGridDetail_px);
+  EXPECT_EQ(warp_options(config.warp).filter, WarpOptions::Filter::Bilinear);
+  EXPECT_EQ(warp_options(config.warp).method, WarpOptions::Method::Mesh);
 }
 
 TEST(ClientOptions, OpenAWindowOnlyWhereThereIsADisplay) {
