@@ -272,7 +272,7 @@ class RowRun {
     const auto hit = trace(direction, tracer_.next_blend_rule());
     if (!hit) return beyond(direction);
     const Vertex vertex = vertex_of(*hit, direction);
-    return vertex.emission + tracer_.reflected(vertex, options_.bounces, random);
+    return vertex.emission + tracer_.reflected(vertex, options_.bounces.value_or(0), random);
   }
   /// Independent and uniform, or the centres of a k x k pattern (other counts: along the diagonal).
   Vec2 sample_position(int s, RandomStream& random) const {
@@ -350,7 +350,7 @@ void BruteKernel::shade(std::span<const SurfacePoint> points, const SceneFrame& 
     for (int s = 0; s < options_.samples_per_cell; ++s) {
       RandomStream random(point.key, s);
       tracer.begin(point.key, s);
-      sum += share * tracer.reflected(vertex, options_.bounces, random);
+      sum += share * tracer.reflected(vertex, options_.bounces.value_or(0), random);
     }
     out[i] = math::is_finite(sum) ? sum : Rgb{0.0F};
   });

@@ -1,6 +1,8 @@
 // What every kernel understands; each kernel's own Config refines it.
 #pragma once
 
+#include <optional>
+
 namespace macula::kernels {
 
 /// Exact is unbiased and keeps no history (what tests use); Fast may take every shortcut it
@@ -21,8 +23,9 @@ struct KernelOptions {
   int area_light_samples = 8;   ///< per primary sample, over all emissive triangles
   int ambient_samples = 4;      ///< per primary sample; 0 = no ambient term
   int environment_samples = 4;  ///< per primary sample, in a scene with an environment
-  int bounces = 0;              ///< diffuse bounces by path tracing; brute force only
-  bool lambert_only = false;    ///< every material becomes Lambert with its base colour
+  /// Of indirect light; none: the kernel's own number, 1 for `culling` and 0 for others.
+  std::optional<int> bounces;
+  bool lambert_only = false;  ///< every material becomes Lambert with its base colour
   Reuse reuse = Reuse::Nothing;
   LightShare light_share = LightShare::Uniform;
 };

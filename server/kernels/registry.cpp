@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/kernels/brute.h"
+#include "server/kernels/culling/culling_kernel.h"
 #include "server/kernels/lightcuts/lightcuts_kernel.h"
 #include "server/kernels/ray/ray_kernel.h"
 #include "server/kernels/sphere/sphere_kernel.h"
@@ -25,6 +26,10 @@ constexpr std::array kTable{
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
                   return std::make_unique<lightcuts::LightcutsKernel>(
                       lightcuts::make_config(options));
+                }},
+    KernelEntry{"culling", SceneKind::Either, kMostBounces, kAnyCount,
+                [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
+                  return std::make_unique<culling::CullingKernel>(culling::make_config(options));
                 }},
     KernelEntry{"sphere", SceneKind::Field, 0, sphere::kMostSamples,
                 [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
@@ -57,16 +62,16 @@ Result<void> check(const KernelEntry& entry, const KernelOptions& options) {
   if (auto ok = least(options.area_light_samples, 1, "area light samples"); !ok) return ok;
   if (auto ok = least(options.ambient_samples, 0, "ambient samples"); !ok) return ok;
   if (auto ok = least(options.environment_samples, 1, "environment samples"); !ok) return ok;
-  if (auto ok = least(options.bounces, 0, "bounces"); !ok) return ok;
+  if (auto ok = least(options.bounces.value_or(0), 0, "bounces"); !ok) return ok;
   if (options.samples_per_cell > entry.most_samples) {
     return base::bad_input(base::concat("samples per cell is ", options.samples_per_cell),
                            std::string(entry.name),
                            base::concat("this kernel takes at most ", entry.most_samples));
   }
-  if (options.bounces > entry.most_bounces) {
+  if (options.bounces.value_or(0) > entry.most_bounces) {
     return base::bad_input(
-        base::concat("bounces is ", options.bounces), std::string(entry.name),
-        base::concat("this kernel does at most ", entry.most_bounces, "; kernel brute does 1"));
+        base::concat("bounces is ", *options.bounces), std::string(entry.name),
+        base::concat("this kernel does at most ", entry.most_bounces, "; kernels brute and culling do 1"));
   }
   return {};
 }

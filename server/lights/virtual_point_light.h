@@ -17,8 +17,9 @@ struct VirtualPointLight {
   Rgb flux{0.0F};  ///< W, what is reflected; intensity flux / pi times the cosine at the normal
 };
 
-/// As for other lights; the irradiance is not clamped and grows without bound towards the light.
-/// nullopt behind it and in its plane.
-std::optional<Arrival> arriving(const VirtualPointLight& light, const DVec3& point);
+/// As for other lights; nullopt behind it and in its plane. The irradiance is that at `least_m`
+/// where the light is nearer; with 0 it grows without bound towards the light.
+std::optional<Arrival> arriving(const VirtualPointLight& light, const DVec3& point,
+                                double least_m = 0.0);
 
 }  // namespace macula::lights

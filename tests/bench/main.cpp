@@ -167,7 +167,7 @@ void add_still_method(CLI::App& command, StillOptions& options, StillWords& word
       ->option_text("lambert");
   command.add_option("--bounces", options.bounces, "Diffuse bounces of indirect light")
       ->check(CLI::Range(0, 1))
-      ->option_text("0|1 (0)");
+      ->option_text("0|1 (1 for kernel culling, else 0)");
   command.add_option("--rate-model", options.rate_model, "How sampling falls off from the gaze")
       ->option_text("NAME (cortical)");
   command.add_option("--seed", options.seed, "Of every random number")->option_text("N (1)");

@@ -76,7 +76,7 @@ Report make_report(const StillOptions& options, const StillJob& job, const Rende
                  {"light_samples", std::int64_t{options.light_samples}},
                  {"perceived_lights", options.perceived_lights},
                  {"ambient_samples", std::int64_t{options.light_samples}},
-                 {"bounces", std::int64_t{options.bounces}},
+                 {"bounces", std::int64_t{options.bounces.value_or(job.kernel == "culling" ? 1 : 0)}},
                  {"rate_model", options.rate_model},
                  {"time_s", options.time_s},
                  {"seed", static_cast<std::int64_t>(options.seed)}},

@@ -47,7 +47,7 @@ struct StillOptions {
   StillGaze gaze;
   StillMaterial material = StillMaterial::AsInScene;
   double time_s = 0.0;             ///< --time: on the scene's clock
-  int bounces = 0;                 ///< 0 or 1
+  std::optional<int> bounces;      ///< 0 or 1; none: the kernel's own number
   std::vector<StillPlane> planes;  ///< --aov; layers of the EXR, and a PNG each
   StillGrid grid = StillGrid::Uniform;
   std::string rate_model = "cortical";  ///< preset of shared/foveation/rate.h

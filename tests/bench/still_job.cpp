@@ -129,7 +129,7 @@ kernels::ViewBuffers start_from(const kernels::ViewBuffers& pass, float share) {
 
 std::string choose_kernel(const StillOptions& options, const scene::SceneFacts& facts) {
   if (options.kernel != "auto") return options.kernel;
-  if (options.bounces > 0) return "brute";
+  if (options.bounces.value_or(0) > 0) return "brute";
   std::vector<std::string_view> registered;
   for (const auto& entry : kernels::kernel_table()) registered.push_back(entry.name);
   return std::string(

@@ -21,6 +21,7 @@ using test::Render;
 KernelOptions exact(int samples, int light_samples = 2) {
   KernelOptions options;
   options.mode = Mode::Exact;
+  options.bounces = 0;
   options.samples_per_cell = samples;
   options.area_light_samples = light_samples;
   options.ambient_samples = light_samples;

@@ -18,6 +18,7 @@ const char* const kKernels[] = {"ray", "brute"};
 kernels::KernelOptions exact(int samples, int light_samples) {
   kernels::KernelOptions options;
   options.mode = kernels::Mode::Exact;
+  options.bounces = 0;
   options.samples_per_cell = samples;
   options.area_light_samples = options.environment_samples = light_samples;
   return options;

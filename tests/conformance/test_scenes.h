@@ -130,9 +130,11 @@ struct Render {
 inline constexpr unsigned kAllPlanes = kernels::kSurfaceId | kernels::kNormal | kernels::kAlbedo |
                                        kernels::kRate | kernels::kVariance | kernels::kSamples;
 
-inline Render render(const std::string& kernel, const kernels::KernelOptions& options,
+/// Direct light alone unless `options` say otherwise: what all kernels have in common.
+inline Render render(const std::string& kernel, kernels::KernelOptions options,
                      const kernels::SceneFrame& scene, const kernels::View& view,
                      kernels::TileScheduler& scheduler, std::uint64_t seed = 1) {
+  options.bounces = options.bounces.value_or(0);
   const auto made = kernels::make_kernel(kernel, options);
   EXPECT_TRUE(made) << (made ? "" : made.error().message());
   const FoveationMap map({{view.grid, view.gaze, DVec2{1e-3}}}, foveation::RateModel{});

@@ -1,8 +1,11 @@
 // Settings of kernel `ray`.
 #pragma once
 
+#include <span>
+
 #include "server/kernels/options.h"
 #include "server/kernels/ray/foveated_config.h"
+#include "server/lights/virtual_point_light.h"
 #include "server/shading/material_table.h"
 
 namespace macula::kernels::ray {
@@ -14,6 +17,15 @@ enum class Placement { Fixed, Jittered };
 /// the light tree (kernel `lightcuts`). None: surfaces only, for the planes; nothing is lit.
 enum class LightChoice { Every, ByCut, None };
 
+/// Virtual point lights of one frame (kernel `culling`); none: no indirect light.
+struct VirtualLightShare {
+  std::span<const lights::VirtualPointLight> lights;  ///< must outlive the frame
+  /// A square number >= 1: every point asks the lights of one class, index modulo classes, and counts
+  /// them so many times. Classes lie side by side in n x n cells and change from frame to frame.
+  int classes = 1;
+  float least_m = 0.0F;  ///< distances count as at least this, which takes light from corners; >= 0
+};
+
 struct Config {
   Mode mode = Mode::Fast;
   int samples_per_cell = 1;  ///< primary rays a cell, >= 1
@@ -24,6 +36,7 @@ struct Config {
   int environment_samples = 4;  ///< shadow rays to the environment per primary ray, >= 1
   shading::MaterialModel materials = shading::MaterialModel::AsInScene;
   LightChoice lights = LightChoice::Every;
+  VirtualLightShare virtual_lights;
   FoveatedConfig foveated;  ///< mode Fast only
 };
 
@@ -39,6 +52,7 @@ inline Config make_config(const KernelOptions& options) {
       options.environment_samples,
       options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene,
       LightChoice::Every,
+      {},
       foveated};
 }
 

@@ -19,8 +19,9 @@ constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
 constexpr std::uint32_t kAmbientDimension = 0x8000'0001U;
 constexpr std::uint32_t kEnvironmentDimension = 0x8000'0002U;
 constexpr std::uint32_t kStrategyDimension = 0x8000'0003U;
+constexpr std::uint32_t kClassDimension = 0x8000'0004U;
 /// Of shadow rays that meet blended surfaces; one a term, with the number of the ray in the term.
-enum class Term : std::uint32_t { Punctual = 0x8000'0011U, Area, Ambient, Environment };
+enum class Term : std::uint32_t { Punctual = 0x8000'0011U, Area, Ambient, Environment, Virtual };
 
 /// Rays to this many triangles still run towards about the same place.
 constexpr std::size_t kMostOfOneLamp = 8;
@@ -57,6 +58,9 @@ class Pass {
   void add_cut();
   void add_ambient();
   void add_environment();
+  void add_virtual();
+  void arrive_from_virtual(std::size_t round);
+  std::size_t light_class(std::size_t i) const;
   void aim_at_environment(const sampling::Vec2Batch& strategy);
   void scramble(std::uint32_t dimension);
   void draw(int k, int count);
@@ -98,6 +102,7 @@ void Pass::run() {
   if (!by_cut && !scene_.lights().emissive().empty()) add_area();
   if (config_.ambient_samples > 0 && scene_.plan().has(scene::Step::Ambient)) add_ambient();
   if (scene_.plan().has(scene::Step::Environment)) add_environment();
+  if (!config_.virtual_lights.lights.empty()) add_virtual();
 }
 
 void Pass::add_punctual(const scene::Light& light, std::size_t index) {
@@ -211,6 +216,46 @@ void Pass::aim_at_environment(const sampling::Vec2Batch& strategy) {
     light_.arrival.to_light.set(i, to_light);
     light_.arrival.irradiance.set(i, pdf > 0.0F ? environment.radiance(to_light) / pdf : Rgb{0.0F});
   }
+}
+
+/// Every point the lights of its class, one a round. Neighbours ask neighbours in the list: rays go
+/// to about the same places if it is in the order of places.
+void Pass::add_virtual() {
+  const VirtualLightShare& share = config_.virtual_lights;
+  const auto classes = static_cast<std::size_t>(share.classes);
+  const std::size_t rounds = (share.lights.size() + classes - 1) / classes;
+  for (std::size_t round = 0; round < rounds; ++round) {
+    arrive_from_virtual(round);
+    shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
+                     contribution_);
+    aim_at_lights();
+    resolve(Coherence::Incoherent, Term::Virtual, round);
+  }
+}
+
+void Pass::arrive_from_virtual(std::size_t round) {
+  const VirtualLightShare& share = config_.virtual_lights;
+  const auto classes = static_cast<std::size_t>(share.classes);
+  for (std::size_t i = 0; i < n_; ++i) {
+    light_.arrival.irradiance.set(i, Rgb{0.0F});
+    light_.position.set(i, points_.position[i]);
+    const std::size_t index = round * classes + light_class(i);
+    if (index >= share.lights.size()) continue;
+    const lights::VirtualPointLight& light = share.lights[index];
+    const auto arrival = lights::arriving(light, DVec3(points_.position[i]), share.least_m);
+    if (!arrival) continue;
+    light_.arrival.to_light.set(i, arrival->to_light);
+    light_.arrival.irradiance.set(i, static_cast<float>(classes) * arrival->irradiance);
+    light_.position.set(i, Vec3(light.position));
+    light_.normal.set(i, light.normal);
+    light_.span.at[i] = std::max(light.span_m, arrival->distance_m);
+  }
+}
+
+std::size_t Pass::light_class(std::size_t i) const {
+  const auto classes = static_cast<std::size_t>(config_.virtual_lights.classes);
+  if (!points_.light_class.empty()) return points_.light_class[i];
+  return sampling::sample_bits(points_.keys[i], kClassDimension, points_.sample) % classes;
 }
 
 void Pass::scramble(std::uint32_t dimension) {

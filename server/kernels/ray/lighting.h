@@ -30,8 +30,10 @@ struct LitPoints {
   sampling::SampleKey keys[sampling::kBatch];  ///< identity of their cells' random numbers
   /// Most nodes of each point's cut, >= 1; empty: Config::area_light_samples.
   std::vector<std::uint16_t> cut_nodes;
+  /// Each point's class of virtual lights; empty: by chance.
+  std::vector<std::uint16_t> light_class;
 
-  void clear() { count = 0, whole.clear(), cut_nodes.clear(); }
+  void clear() { count = 0, whole.clear(), cut_nodes.clear(), light_class.clear(); }
   /// The point is surface.position; the reflector is the surface's.
   void push(const shading::Surface& surface, const shading::Reflector& reflector,
             sampling::SampleKey key);

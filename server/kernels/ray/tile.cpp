@@ -15,6 +15,7 @@ constexpr std::size_t kCells = visibility::kStreamCapacity;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// Of a cell's random numbers (lighting.cpp has the next ones).
 constexpr std::uint32_t kBlendDimension = 0x8000'0010U;
+constexpr std::uint64_t kClassesKey = 0xC1A55E5U;  ///< of what all cells of a frame share
 
 double ms_since(std::chrono::steady_clock::time_point begin) {
   return units::to_ms(std::chrono::steady_clock::now() - begin);
@@ -153,6 +154,19 @@ class TileRun {
     if (context_.cut_nodes != nullptr) {
       points_.cut_nodes.push_back((*context_.cut_nodes)(cells_[i].x, cells_[i].y));
     }
+    if (!context_.config.virtual_lights.lights.empty()) {
+      points_.light_class.push_back(light_class(cells_[i]));
+    }
+  }
+
+  /// Classes side by side; from frame to frame and sample to sample all alike by chance.
+  std::uint16_t light_class(const Cell& cell) const {
+    const int classes = context_.config.virtual_lights.classes;
+    const int side = static_cast<int>(std::lround(std::sqrt(classes)));
+    const sampling::SampleKey frame(context_.seed, context_.frame, kClassesKey);
+    const std::uint32_t turn = sampling::sample_bits(frame, 0, points_.sample);
+    const auto place = static_cast<std::uint32_t>(cell.x % side + side * (cell.y % side));
+    return static_cast<std::uint16_t>((place + turn) % static_cast<std::uint32_t>(classes));
   }
 
   float uv_per_meter(std::size_t i) const {

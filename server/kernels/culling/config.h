@@ -1,0 +1,61 @@
+// Settings of kernel `culling`. Paper: "Foveated Light Culling" (Computers & Graphics, 2021): the
+// virtual point lights of a scene, culled by what the picture's important places receive of them.
+#pragma once
+
+#include "server/kernels/ray/config.h"
+#include "server/kernels/vpl/virtual_lights.h"
+#include "shared/foveation/rate.h"
+
+namespace macula::kernels::culling {
+
+/// How shading points are drawn from the importance map. Systematic: in proportion to it, along the
+/// Morton curve. PrintedChain: the best of `chain_length` uniform draws each (section 3.3's loop as
+/// it runs), which tends to the single most important places.
+enum class PointDraw { Systematic, PrintedChain };
+
+/// Whether a kept light counts for those that were culled. None: the paper's way, which loses
+/// light.
+enum class CullWeights { Unbiased, None };
+
+struct ImportanceConfig {
+  foveation::RateModel acuity{foveation::RateCurve::Culling, Degrees{8.3}, Degrees{25.0}, 0.2};
+  float silhouette = 0.6F;         ///< p_g: importance of a cell at an edge, [0, 1]
+  float depth_edge = 0.02F;        ///< how far off its neighbours' plane, share of the depth
+  Degrees normal_edge{25.0};       ///< angle between neighbours' normals
+  float color_edge = 30.0F;        ///< weighted distance of neighbours' albedo, [0, 765]
+  float brightness_gain = 20.0F;   ///< delta: importance per tone-mapped indirect brightness
+  float brightness_floor = 0.05F;  ///< least of it, or a black picture would stay black
+};
+
+struct Config {
+  ray::Config ray;  ///< surfaces and direct light
+  /// False: direct light alone, which is kernel `ray`'s picture.
+  bool indirect = true;
+  int map_side = 64;  ///< side^2 rays a lamp make its virtual lights; >= 1
+  int kept = 1024;    ///< K >= 1; no fewer lights than that: all are kept, nothing is chance
+  CullWeights weights = CullWeights::Unbiased;
+  int shading_points = 64;  ///< N_s >= 1, over all views
+  PointDraw points = PointDraw::Systematic;
+  int chain_length = 16;    ///< PointDraw::PrintedChain
+  int visibility_rays = 4;  ///< from every virtual light to shading points, each frame; >= 0
+  /// Share of lights kept by flux alone: one whose contribution came out as nothing may still
+  /// shine.
+  float by_flux = 0.1F;
+  ImportanceConfig importance;
+  int guide_step = 4;  ///< importance is told for every n x n-th cell; >= 1
+  /// Cells ask a class of the kept lights each; a square number >= 1.
+  int classes = 16;
+  /// Mode Fast: distances to virtual lights count as at least this share of half the extent of them
+  /// all; nearer they would leave bright blots.
+  float nearest = 0.02F;
+  /// Mode Fast: cells on each side that share their indirect light where the surface goes on; 0:
+  /// none.
+  int blur_reach = 2;
+  /// Mode Fast: weight of a new frame in what is remembered of indirect light, (0, 1]; 1: nothing
+  /// is.
+  float newest = 0.25F;
+};
+
+Config make_config(const KernelOptions& options);
+
+}  // namespace macula::kernels::culling

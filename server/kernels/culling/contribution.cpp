@@ -1,0 +1,113 @@
+#include "server/kernels/culling/contribution.h"
+
+#include <algorithm>
+#include <array>
+
+#include "shared/image/color.h"
+
+namespace macula::kernels::culling {
+namespace {
+
+using lights::VirtualPointLight;
+using visibility::kStreamCapacity;
+
+/// As many lights as one stream holds rays for.
+class LightBatch {
+ public:
+  LightBatch(const SceneFrame& scene, std::span<const ShadingPoint> points, const Config& config,
+             double least_m, std::uint64_t frame)
+      : scene_(scene),
+        points_(points),
+        rays_a_light_(std::min(config.visibility_rays, static_cast<int>(points.size()))),
+        least_m_(least_m),
+        frame_(frame) {}
+
+  static int lights_of(const Config& config) {
+    return kStreamCapacity / std::max(config.visibility_rays, 1);
+  }
+
+  /// Lights [first, first + lights.size()) of the whole list; returns the rays traced.
+  std::uint64_t run(std::size_t first, std::span<const VirtualPointLight> lights,
+                    std::span<float> unhidden, std::span<float> visible) {
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      unhidden[i] = mean_over_points(lights[i]);
+      for (int k = 0; k < rays_a_light_; ++k) ask(lights[i], point_of(first + i, k));
+    }
+    if (rays_a_light_ == 0) return 0;
+    scene_.occluded(rays_, hidden_, visibility::Coherence::Incoherent);
+    for (std::size_t i = 0; i < lights.size(); ++i)
+      visible[i] = share_that_arrives(i * static_cast<std::size_t>(rays_a_light_));
+    return static_cast<std::uint64_t>(rays_.count);
+  }
+
+ private:
+  float arriving(const VirtualPointLight& light, const ShadingPoint& point) const {
+    const auto arrival = lights::arriving(light, DVec3(point.position), least_m_);
+    if (!arrival) return 0.0F;
+    const float cosine = std::max(glm::dot(point.normal, arrival->to_light), 0.0F);
+    return cosine * point.albedo * image::luminance(arrival->irradiance);
+  }
+  float mean_over_points(const VirtualPointLight& light) const {
+    float sum = 0.0F;
+    for (const ShadingPoint& point : points_) sum += arriving(light, point);
+    return sum / static_cast<float>(points_.size());
+  }
+  /// Strides through the points: neighbours in the list and a light's own rays go far apart.
+  const ShadingPoint& point_of(std::size_t light, int k) const {
+    constexpr std::uint64_t kStride = 0x9E37'79B9U;
+    const std::uint64_t turn = (light + frame_) * static_cast<std::uint64_t>(rays_a_light_);
+    return points_[(turn + static_cast<std::uint64_t>(k)) * kStride % points_.size()];
+  }
+  void ask(const VirtualPointLight& light, const ShadingPoint& point) {
+    const Vec3 origin =
+        visibility::offset_ray_origin(point.position, point.normal, point.distance_m);
+    const Vec3 end =
+        visibility::offset_ray_origin(Vec3(light.position), light.normal, 0.0F, light.span_m);
+    const float brings = arriving(light, point);
+    brings_[static_cast<std::size_t>(rays_.count)] = brings;
+    rays_.push(origin, end - origin, 0.0F, brings > 0.0F ? 1.0F : -1.0F);
+  }
+  float share_that_arrives(std::size_t first) const {
+    float all = 0.0F, arrives = 0.0F;
+    for (std::size_t k = first; k < first + static_cast<std::size_t>(rays_a_light_); ++k) {
+      all += brings_[k];
+      arrives += hidden_.occluded[k] != 0 ? 0.0F : brings_[k];
+    }
+    return all > 0.0F ? arrives / all : 1.0F;
+  }
+
+  const SceneFrame& scene_;
+  std::span<const ShadingPoint> points_;
+  int rays_a_light_;
+  double least_m_;
+  std::uint64_t frame_;
+  visibility::RayStream rays_;
+  visibility::OcclusionStream hidden_;
+  std::array<float, kStreamCapacity> brings_;
+};
+
+}  // namespace
+
+Contributions contributions(const SceneFrame& scene, std::span<const VirtualPointLight> lights,
+                            std::span<const ShadingPoint> points, const Config& config,
+                            double least_m, std::uint64_t frame,
+                            scheduling::TileScheduler& scheduler) {
+  Contributions made;
+  made.unhidden.assign(lights.size(), 0.0F);
+  made.visible.assign(lights.size(), 1.0F);
+  if (points.empty()) return made;
+  const auto step = static_cast<std::size_t>(LightBatch::lights_of(config));
+  std::vector<std::uint64_t> rays((lights.size() + step - 1) / step);
+  const auto outcome = scheduler.run(rays.size(), [&](std::size_t batch) {
+    const std::size_t first = batch * step, count = std::min(step, lights.size() - first);
+    rays[batch] = LightBatch(scene, points, config, least_m, frame)
+                      .run(first, lights.subspan(first, count),
+                           std::span(made.unhidden).subspan(first, count),
+                           std::span(made.visible).subspan(first, count));
+  });
+  for (const std::uint64_t traced : rays) made.rays += traced;
+  made.stopped = outcome == scheduling::Outcome::Stopped;
+  return made;
+}
+
+}  // namespace macula::kernels::culling

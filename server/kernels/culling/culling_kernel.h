@@ -1,0 +1,34 @@
+// Kernel `culling`: one bounce of indirect light by virtual point lights, of which only those are
+// kept that matter where the eye looks. Radiance is linear Rec.709, depth in meters. Holds
+// configuration only. README.md in this folder has the method in one screen.
+#pragma once
+
+#include "server/kernels/culling/config.h"
+#include "server/kernels/kernel.h"
+
+namespace macula::kernels::culling {
+
+/// What a frame found before it shaded anything.
+struct KeptLights {
+  std::vector<lights::VirtualPointLight>
+      lights;            ///< weights in their fluxes, along the Morton curve
+  std::size_t made = 0;  ///< virtual lights before culling
+  double least_m = 0.0;  ///< shortest distance that counts
+  FrameReport report;
+};
+
+class CullingKernel final : public Kernel {
+ public:
+  explicit CullingKernel(const Config& config) : config_(config) {}
+
+  FrameReport render(const FrameRequest& request, const SceneFrame& scene, History& history,
+                     TileScheduler& scheduler, FrameBuffers& out) const override;
+  /// With all virtual lights: points of no frame have no importance.
+  void shade(std::span<const SurfacePoint> points, const SceneFrame& scene,
+             TileScheduler& scheduler, std::span<Rgb> out) const override;
+
+ private:
+  Config config_;
+};
+
+}  // namespace macula::kernels::culling

@@ -1,0 +1,154 @@
+#include "server/kernels/culling/smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "server/reconstruction/backward_warp.h"
+#include "shared/foveation/eccentricity.h"
+
+namespace macula::kernels::culling {
+namespace {
+
+/// Cells of one surface: normals within 25 degrees, places within 2 % of the depth off the plane.
+constexpr float kSameNormal = 0.906F;
+constexpr float kSamePlane = 0.02F;
+constexpr float kSameDepth = 0.02F;
+
+/// Places relative to the eye, world orientation, meters.
+Plane<Vec3> places(const View& view, const Plane<float>& depth_m) {
+  const Mat3 world_from_view(glm::mat3_cast(view.world_from_view.rotation));
+  Plane<Vec3> out(depth_m.width(), depth_m.height());
+  for (int y = 0; y < out.height(); ++y)
+    for (int x = 0; x < out.width(); ++x)
+      out(x, y) = depth_m(x, y) * (world_from_view * view.grid.ray(x, y));
+  return out;
+}
+
+class Sharing {
+ public:
+  Sharing(const View& view, const ViewBuffers& buffers, int reach)
+      : buffers_(buffers), place_(places(view, buffers.depth_m)), reach_(reach) {}
+
+  Rgb at(int x, int y) const {
+    if (!std::isfinite(buffers_.depth_m(x, y))) return buffers_.light(x, y);
+    Rgb sum{0.0F};
+    float weights = 0.0F;
+    for (int dy = -reach_; dy <= reach_; ++dy) {
+      for (int dx = -reach_; dx <= reach_; ++dx) {
+        if (!place_.contains(x + dx, y + dy) || !same_surface(x, y, x + dx, y + dy)) continue;
+        const float weight = rim(dx) * rim(dy);
+        sum += weight * buffers_.light(x + dx, y + dy);
+        weights += weight;
+      }
+    }
+    return sum / weights;
+  }
+
+ private:
+  float rim(int d) const { return std::abs(d) == reach_ ? 0.5F : 1.0F; }
+  bool same_surface(int x, int y, int nx, int ny) const {
+    if (nx == x && ny == y) return true;
+    const float depth = buffers_.depth_m(x, y);
+    if (!std::isfinite(buffers_.depth_m(nx, ny))) return false;
+    const Vec3& normal = buffers_.normal(x, y);
+    return glm::dot(normal, buffers_.normal(nx, ny)) > kSameNormal &&
+           std::abs(glm::dot(normal, place_(nx, ny) - place_(x, y))) <= kSamePlane * depth;
+  }
+
+  const ViewBuffers& buffers_;
+  Plane<Vec3> place_;
+  int reach_;
+};
+
+/// Least and most light around a cell, channel by channel.
+struct Range {
+  Rgb low{std::numeric_limits<float>::infinity()}, high{0.0F};
+};
+Range range_around(const Plane<Rgb>& light, int x, int y, int window) {
+  const int reach = window / 2;
+  Range range;
+  for (int ny = std::max(y - reach, 0); ny <= std::min(y + reach, light.height() - 1); ++ny) {
+    for (int nx = std::max(x - reach, 0); nx <= std::min(x + reach, light.width() - 1); ++nx) {
+      range.low = glm::min(range.low, light(nx, ny));
+      range.high = glm::max(range.high, light(nx, ny));
+    }
+  }
+  return range;
+}
+
+class Remembering {
+ public:
+  Remembering(const View& view, const ViewBuffers& buffers, const ViewMemory& then)
+      : view_(view),
+        buffers_(buffers),
+        then_(then),
+        warp_(view.world_from_view, then.world_from_view, then.grid) {}
+
+  /// What was remembered of what is seen there now.
+  std::optional<Rgb> at(int x, int y) const {
+    const float depth = buffers_.depth_m(x, y);
+    if (!std::isfinite(depth)) return std::nullopt;
+    const auto place = warp_.then(view_.grid.tangent(x, y), depth);
+    if (!place) return std::nullopt;
+    const int tx = static_cast<int>(place->cell.x), ty = static_cast<int>(place->cell.y);
+    if (!then_.depth_m.contains(tx, ty)) return std::nullopt;
+    const bool same = std::abs(then_.depth_m(tx, ty) - place->depth_m) <= kSameDepth * depth &&
+                      glm::dot(then_.normal(tx, ty), buffers_.normal(x, y)) > kSameNormal;
+    return same ? std::optional(then_.light(tx, ty)) : std::nullopt;
+  }
+
+ private:
+  const View& view_;
+  const ViewBuffers& buffers_;
+  const ViewMemory& then_;
+  reconstruction::BackwardWarp warp_;
+};
+
+double eccentricity_at(const View& view, int x, int y) {
+  return foveation::eccentricity(view.gaze.direction, view.grid.ray(x, y)).value();
+}
+
+/// At one of the corners: eccentricity has no maximum inside.
+double largest_eccentricity(const View& view) {
+  const int right = view.grid.width() - 1, bottom = view.grid.height() - 1;
+  return std::max({eccentricity_at(view, 0, 0), eccentricity_at(view, right, 0),
+                   eccentricity_at(view, 0, bottom), eccentricity_at(view, right, bottom)});
+}
+
+}  // namespace
+
+Plane<Rgb> shared_light(const View& view, const ViewBuffers& buffers, int reach,
+                        TileScheduler& scheduler) {
+  const Sharing sharing(view, buffers, reach);
+  Plane<Rgb> light(buffers.light.width(), buffers.light.height());
+  scheduler.run(static_cast<std::size_t>(light.height()), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < light.width(); ++x) light(x, y) = sharing.at(x, y);
+  });
+  return light;
+}
+
+void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& then, float newest,
+              TileScheduler& scheduler, Plane<Rgb>& light) {
+  const Remembering memory(view, buffers, then);
+  const Plane<Rgb> now = light;
+  const double largest = std::max(largest_eccentricity(view), 1e-6);  // radians; a view has width
+  scheduler.run(static_cast<std::size_t>(light.height()), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
+    for (int x = 0; x < light.width(); ++x) {
+      const auto known = memory.at(x, y);
+      if (!known) continue;
+      const int window = clamp_window(static_cast<float>(eccentricity_at(view, x, y) / largest));
+      const Range range = range_around(now, x, y, window);
+      const Rgb kept = glm::clamp(*known, range.low, range.high);
+      light(x, y) = glm::mix(kept, now(x, y), newest);
+    }
+  });
+}
+
+int clamp_window(float q) {
+  return std::clamp(3 + 2 * static_cast<int>(std::floor((q - 0.10F) / 0.05F)), 3, 9);
+}
+
+}  // namespace macula::kernels::culling
