@@ -224,13 +224,15 @@ void Pass::add_virtual() {
   const VirtualLightShare& share = config_.virtual_lights;
   const auto classes = static_cast<std::size_t>(share.classes);
   const std::size_t rounds = (share.lights.size() + classes - 1) / classes;
-  for (std::size_t round = 0; round < rounds; ++round) {
-    arrive_from_virtual(round);
+  for (std::size_t k = 0; k < rounds; ++k) {
+    arrive_from_virtual(k);
     shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
-                     contribution_);
+                     round().contribution);
     aim_at_lights();
-    resolve(Coherence::Incoherent, Term::Virtual, round);
+    keep(Term::Virtual, k);
+    if (kept_ == kMostRounds) resolve(Coherence::Incoherent);
   }
+  resolve(Coherence::Incoherent);
 }
 
 void Pass::arrive_from_virtual(std::size_t round) {
