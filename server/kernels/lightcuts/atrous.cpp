@@ -7,8 +7,11 @@
 namespace macula::kernels::lightcuts {
 namespace {
 
-constexpr int kMostPasses = 5;
+constexpr int kMostPasses = 4;
 constexpr float kPerDegree = std::numbers::pi_v<float> / 180.0F;
+/// Standard deviations that differences may have; Schied et al. take 4, with variances over time,
+/// which hold no edges of shadows.
+constexpr float kStops = 3.0F;
 /// B3 spline, at distances 0, 1 and 2.
 constexpr float kSpline[3] = {3.0F / 8.0F, 1.0F / 4.0F, 1.0F / 16.0F};
 
@@ -69,7 +72,7 @@ class Smoother {
 
   /// The last one spans 2^passes cells to either side.
   static int passes(float eccentricity) {
-    return 3 + (eccentricity > 10.0F * kPerDegree) + (eccentricity > 25.0F * kPerDegree);
+    return 2 + (eccentricity > 10.0F * kPerDegree) + (eccentricity > 25.0F * kPerDegree);
   }
   /// True: stopped.
   template <class Body>
@@ -127,8 +130,7 @@ class Smoother {
     const Noisy& mine = from(x, y);
     const Guide& guide = guides_(x, y);
     if (pass >= guide.passes || !(mine.variance > 0.0F)) return mine;
-    // Four standard deviations, as Schied et al.
-    const float tolerance = 1.0F / (4.0F * std::sqrt(mine.variance));
+    const float tolerance = 1.0F / (kStops * std::sqrt(mine.variance));
     float weight = 0.0F, squares = 0.0F;
     Noisy sum;
     around(x, y, 1 << pass, 2, [&](int nx, int ny, int dx, int dy) {

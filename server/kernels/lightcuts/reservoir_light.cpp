@@ -12,6 +12,8 @@ namespace {
 constexpr std::uint32_t kChooseDimension = 0xF000'0000U;  ///< of a cell's random numbers
 constexpr std::uint32_t kNeighbourDimension = 0xF000'0010U;
 constexpr std::uint32_t kKeepDimension = 0xF000'0020U;
+/// Frames of memory that need no second neighbour's: its lights are less like one's own.
+constexpr float kEnough = 4.0F;
 /// Shadow rays of neighbours' lights, after those of the own cut's.
 constexpr std::uint32_t kNeighbourRound = 0x1000U;
 
@@ -178,7 +180,7 @@ class TileReservoirs {
     const auto cell = last_->view.grid.project(seen);
     if (!cell) return;
     const int x = static_cast<int>(cell->x), y = static_cast<int>(cell->y);
-    recall_from(point, x, y);
+    if (recall_from(point, x, y) >= kEnough) return;
     const image::Pixel pixel = tile_.pixel(point);
     const float e = eccentricity_(pixel.x, pixel.y);
     constexpr float kFovea = 5.0F * std::numbers::pi_v<float> / 180.0F;
@@ -191,15 +193,17 @@ class TileReservoirs {
     const int dy = static_cast<int>(std::lround(r * std::sin(phi)));
     if (dx != 0 || dy != 0) recall_from(point, x + dx, y + dy);
   }
-  void recall_from(std::uint32_t point, int x, int y) {
+  /// How much is remembered there, frames.
+  float recall_from(std::uint32_t point, int x, int y) {
     const ViewSurfaces& surfaces = last_->surfaces;
-    if (x < 0 || y < 0 || x >= surfaces.width || y >= surfaces.height) return;
+    if (x < 0 || y < 0 || x >= surfaces.width || y >= surfaces.height) return 0.0F;
     const SurfaceAt there = surfaces.at(x, y);
     const Reservoir& kept = last_->reservoirs(x, y);
-    if (!there || !(kept.confidence > 0.0F)) return;
-    if (kept.light >= scene_.placed_lights().size() || !alike(point, there)) return;
+    if (!there || !(kept.confidence > 0.0F)) return 0.0F;
+    if (kept.light >= scene_.placed_lights().size() || !alike(point, there)) return 0.0F;
     const auto round = static_cast<std::uint32_t>(pairs_[point]++);
     recalled_.push_back({point, round, there, kept, {}, 0.0F});
+    return kept.confidence;
   }
   /// Surfaces alone decide: normals within 25 degrees, planes apart by at most a tenth of what lies
   /// between, or by what one cell spans.

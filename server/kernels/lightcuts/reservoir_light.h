@@ -24,7 +24,8 @@ struct ReservoirHistory : HistoryRecord {
 };
 
 /// Adds to slots as add_cut_light, and writes the tile's reservoirs. `last`: none in a first frame.
-/// `eccentricity`: of every cell, radians; beyond five degrees a second neighbour is asked.
+/// `eccentricity`: of every cell, radians; beyond five degrees a second neighbour is asked where
+/// memory is short.
 void add_reservoir_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
                          const ReservoirConfig& config, const KeptView* last,
                          const Plane<float>& eccentricity, CutWork& work,
