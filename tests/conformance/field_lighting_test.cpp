@@ -195,6 +195,19 @@ TEST(FieldLighting, FollowsAFieldThatMoves) {
   EXPECT_GT(share_that_differs(a, before), 0.1);
 }
 
+TEST(FieldLighting, CutsOfPerceivedSizesLightFieldsToo) {
+  const auto scene = frame_of_text(hall(70));
+  const kernels::View view = view_of(*scene, 48);
+  TileScheduler scheduler;
+  KernelOptions perceived = exact(1, 8);
+  perceived.mode = kernels::Mode::Fast;
+  perceived.light_share = kernels::LightShare::Perceived;
+  const Render cuts = test::render("lightcuts", perceived, *scene, view, scheduler);
+  const Render brute = test::render("brute", exact(1, 1), *scene, view, scheduler);
+  const double wanted = image::luminance(Rgb(test::mean(brute.planes().radiance)));
+  EXPECT_NEAR(image::luminance(Rgb(test::mean(cuts.planes().radiance))), wanted, 0.03 * wanted);
+}
+
 TEST(FieldLighting, AnEyeInASolidSeesBlackAtNoDistance) {
   const auto scene = frame_of_text(hall(3));
   kernels::View view = view_of(*scene, 8);

@@ -9,6 +9,7 @@
 #include "server/kernels/lightcuts/other_light.h"
 #include "server/kernels/lightcuts/reservoir_light.h"
 #include "server/kernels/planes.h"
+#include "server/kernels/ray/guide.h"
 #include "shared/math/hash.h"
 
 namespace macula::kernels::lightcuts {
@@ -20,7 +21,7 @@ constexpr std::uint64_t kKeptSeed = 0x10'0A11'0002ULL;
 std::vector<LowPicture> draw_low(const FrameRequest& request, const SceneFrame& scene,
                                  const Config& config, TileScheduler& scheduler,
                                  FrameReport& report) {
-  const std::vector<View> views = thinned(request.views, config.low_resolution);
+  const std::vector<View> views = ray::thinned(request.views, config.low_resolution);
   const FrameRequest low{views, request.foveation, request.frame,
                          math::hash_combine(request.seed, kKeptSeed)};
   FrameBuffers unused;

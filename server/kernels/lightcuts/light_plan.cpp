@@ -8,6 +8,7 @@
 #include "server/kernels/lightcuts/cut_light.h"
 #include "server/kernels/lightcuts/other_light.h"
 #include "server/kernels/planes.h"
+#include "server/kernels/ray/guide.h"
 #include "shared/math/hash.h"
 
 namespace macula::kernels::lightcuts {
@@ -16,16 +17,6 @@ namespace {
 /// Told apart from the frame's own seed: sizes of cuts must not depend on what the cuts draw.
 constexpr std::uint64_t kPictureSeed = 0x10'0A11'0001ULL;
 
-/// Every n-th edge and the last.
-std::vector<float> thinned_edges(const std::vector<float>& edges, int n) {
-  std::vector<float> kept;
-  for (std::size_t i = 0; i + 1 < edges.size(); i += static_cast<std::size_t>(n)) {
-    kept.push_back(edges[i]);
-  }
-  kept.push_back(edges.back());
-  return kept;
-}
-
 /// As it is shown: contrast is told against a least luminance of the display's.
 Plane<float> shown_luminance(const Plane<Rgb>& radiance, const image::Tone& tone) {
   Plane<float> luminance(radiance.width(), radiance.height());
@@ -33,24 +24,6 @@ Plane<float> shown_luminance(const Plane<Rgb>& radiance, const image::Tone& tone
   std::ranges::transform(radiance.pixels(), luminance.pixels().begin(),
                          [gain](const Rgb& c) { return gain * image::luminance(c); });
   return luminance;
-}
-
-/// The paper's acuity; a cell of a foveal grid, which stands for many pixels, deserves that of all.
-std::vector<Plane<float>> acuity_of(const FrameRequest& request) {
-  foveation::RateModel model;
-  model.curve = foveation::RateCurve::Lightcuts;
-  std::vector<FoveationMap::ViewInput> inputs;
-  for (std::size_t v = 0; v < request.views.size(); ++v) {
-    inputs.push_back(request.foveation.view(v));
-  }
-  const FoveationMap map(std::move(inputs), model);
-  std::vector<Plane<float>> acuity;
-  for (std::size_t v = 0; v < request.views.size(); ++v) {
-    const PixelGrid& grid = request.views[v].grid;
-    acuity.emplace_back(grid.width(), grid.height());
-    for (int y = 0; y < grid.height(); ++y) map.samples_wanted_row(v, y, acuity[v].row(y));
-  }
-  return acuity;
 }
 
 /// The views at a few nodes a pixel, lit alike everywhere.
@@ -86,7 +59,7 @@ std::vector<Plane<float>> low_luminance(const FrameRequest& request, const Scene
                                         FrameReport& report) {
   std::vector<Plane<float>> luminance(request.views.size());
   if (config.low_nodes <= 0) return luminance;
-  const std::vector<View> views = thinned(request.views, config.low_resolution);
+  const std::vector<View> views = ray::thinned(request.views, config.low_resolution);
   const FrameRequest low{views, request.foveation, request.frame,
                          math::hash_combine(request.seed, kPictureSeed)};
   FrameBuffers made;
@@ -99,21 +72,15 @@ std::vector<Plane<float>> low_luminance(const FrameRequest& request, const Scene
 
 }  // namespace
 
-std::vector<View> thinned(std::span<const View> views, int n) {
-  std::vector<View> low(views.begin(), views.end());
-  for (View& view : low) {
-    view.grid = {thinned_edges(view.grid.x_edges, n), thinned_edges(view.grid.y_edges, n)};
-  }
-  return low;
-}
-
 LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
                       const FrameBuffers& surfaces, TileScheduler& scheduler) {
   LightPlan plan;
   const auto luminance = low_luminance(request, scene, config, scheduler, plan.report);
   if (plan.report.stopped) return plan;
   const auto begin = std::chrono::steady_clock::now();
-  const auto acuity = acuity_of(request);
+  foveation::RateModel model;
+  model.curve = foveation::RateCurve::Lightcuts;  // the paper's acuity
+  const auto acuity = ray::acuity_of(request, model);
   const Plane<float> at_rest;
   for (std::size_t v = 0; v < request.views.size(); ++v) {
     const ViewBuffers& view = surfaces.views[v];

@@ -22,7 +22,4 @@ LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, cons
 LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
                       TileScheduler& scheduler);
 
-/// The views with every n-th edge of their grids, and the last.
-std::vector<View> thinned(std::span<const View> views, int n);
-
 }  // namespace macula::kernels::lightcuts

@@ -96,8 +96,8 @@ class TileShot {
   }
 
   void add_point(int i) {
-    const shading::Surface surface =
-        shot_.scene.surfaces().at(hits_.instance[i], hits_.triangle[i], {hits_.u[i], hits_.v[i]});
+    const DVec3 seen = shot_.view.world_from_view.position + DVec3(hits_.t[i] * rays_.direction(i));
+    const shading::Surface surface = shot_.scene.surface(hits_.at(i), seen);
     const ray::ShadingRequest request{surface, -glm::normalize(rays_.direction(i)), uv_per_meter(i),
                                       footprint_m(i)};
     const ray::ShadedPoint shaded = ray::shade_point(request, shot_.scene, shot_.config);
