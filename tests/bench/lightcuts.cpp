@@ -67,8 +67,8 @@ double mean_of(const Plane<float>& plane) {
   return sum / static_cast<double>(plane.size());
 }
 
-/// Straight in the logarithms between the points of a falling curve, and beyond them along its
-/// ends.
+/// Straight in the logarithms between the points of a falling curve; beyond its ends it goes on as
+/// 1 / x, as variance falls with time: an end that noise or bias have bent tells nothing.
 class Curve {
  public:
   struct Point {
@@ -80,8 +80,11 @@ class Curve {
   /// nullopt: fewer than two points, or a value that has no logarithm.
   std::optional<double> at(double x) const {
     if (points_.size() < 2 || !(x > 0.0)) return std::nullopt;
+    const Point &first = points_.front(), &last = points_.back();
+    if (x <= first.x) return beyond(first, x);
+    if (x >= last.x) return beyond(last, x);
     std::size_t right = 1;
-    while (right + 1 < points_.size() && points_[right].x < x) ++right;
+    while (points_[right].x < x) ++right;
     const Point &a = points_[right - 1], &b = points_[right];
     if (!(a.x > 0.0 && b.x > a.x && a.y > 0.0 && b.y > 0.0)) return std::nullopt;
     const double slope = std::log(b.y / a.y) / std::log(b.x / a.x);
@@ -89,6 +92,11 @@ class Curve {
   }
 
  private:
+  static std::optional<double> beyond(const Point& end, double x) {
+    if (!(end.x > 0.0 && end.y > 0.0)) return std::nullopt;
+    return end.y * end.x / x;
+  }
+
   std::vector<Point> points_;
 };
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "server/kernels/ray/ray_kernel.h"
+#include "server/scene/load.h"
 #include "tests/conformance/test_scenes.h"
 #include "tests/server/lights/tree_oracle.h"
 
@@ -76,6 +77,23 @@ TEST(LightcutsKernel, WhereNothingMayGoUnseenItIsTheUniformKernel) {
   config.sizes = CutSizes::Uniform;
   config.ray.area_light_samples = config.most_nodes;
   const auto uniform = rendered(LightcutsKernel(config), *scene, shown.request(1), scheduler);
+  EXPECT_TRUE(same_bits(full.radiance, uniform.radiance));
+}
+
+TEST(LightcutsKernel, LightsDistanceFieldsAsTheUniformKernelDoes) {
+  const auto loaded = scene::load_scene("columns");
+  ASSERT_TRUE(loaded);
+  const auto scene = SceneFrame::create(*loaded);
+  ASSERT_TRUE(scene);
+  ASSERT_GT((*scene)->placed_lights().size(), 0U);
+  const Shown shown;
+  TileScheduler scheduler;
+  Config config = perceived();
+  config.perception.alpha = 0.0F;
+  const auto full = rendered(LightcutsKernel(config), **scene, shown.request(1), scheduler);
+  config.sizes = CutSizes::Uniform;
+  config.ray.area_light_samples = config.most_nodes;
+  const auto uniform = rendered(LightcutsKernel(config), **scene, shown.request(1), scheduler);
   EXPECT_TRUE(same_bits(full.radiance, uniform.radiance));
 }
 
@@ -235,6 +253,38 @@ TEST(LightcutsKernel, MemoryAndSmoothingEachTakeNoiseAway) {
   const double smoothed = variance(LightcutsKernel(config), *scene, scheduler);
   EXPECT_LT(kept, 0.7 * taken);
   EXPECT_LT(smoothed, 0.7 * kept);
+}
+
+/// Both views of a request are what each is alone, memory included.
+TEST(LightcutsKernel, TwoViewsAreLitAsEachAlone) {
+  const auto scene = room_of_lamps(60);
+  TileScheduler scheduler;
+  Config config = perceived();
+  config.source = LightSource::Reservoirs;
+  config.denoise = Denoise::Yes;
+  const LightcutsKernel kernel(config);
+  const Shown shown;
+  View right = shown.view;
+  right.world_from_view.position.x += 0.06;
+  const std::vector<View> both{shown.view, right};
+  const auto input = [&](const View& view) {
+    return FoveationMap::ViewInput{view.grid, view.gaze, shown.display.pixel_tangent()};
+  };
+  const FoveationMap map({input(shown.view), input(right)}, {});
+  const auto last_of_two = [&](std::span<const View> views, const FoveationMap& foveation) {
+    History history;
+    FrameBuffers out;
+    for (std::uint64_t k = 0; k < 2; ++k) {
+      kernel.render({views, foveation, k, 5}, *scene, history, scheduler, out);
+    }
+    return out;
+  };
+  const FrameBuffers together = last_of_two(both, map);
+  for (std::size_t v = 0; v < 2; ++v) {
+    const FoveationMap alone({input(both[v])}, {});
+    const FrameBuffers one = last_of_two({&both[v], 1}, alone);
+    EXPECT_TRUE(same_bits(together.views[v].radiance, one.views[0].radiance)) << v;
+  }
 }
 
 TEST(LightcutsKernel, ReservoirsDoNotDependOnThreads) {
