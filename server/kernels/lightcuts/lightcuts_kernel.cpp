@@ -50,7 +50,7 @@ FrameReport LightcutsKernel::render(const FrameRequest& request, const SceneFram
   if (!report.stopped) {
     report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
   }
-  report.biased_shortcuts = shortcuts(config_, scene);
+  report.biased_shortcuts = one_sample ? shortcuts(config_, scene) : ray::shortcuts(scene);
   return report;
 }
 
