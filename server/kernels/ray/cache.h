@@ -46,9 +46,10 @@ struct Cache {
 struct ViewMemory {
   Pose world_from_view;
   PixelGrid grid;
-  Cache now, then;      ///< of the last frame, and room for the one before
-  ViewBuffers fresh;    ///< room for a frame's samples
-  Plane<Texel> chroma;  ///< and for their colours in YCoCg
+  Cache now, then;       ///< of the last frame, and room for the one before
+  float density = 1.0F;  ///< what probabilities below 1 are scaled by, (0, 1]
+  ViewBuffers fresh;     ///< room for a frame's samples
+  Plane<Texel> chroma;   ///< and for their colours in YCoCg
 };
 
 struct RayRecord final : HistoryRecord {

@@ -68,7 +68,7 @@ class ViewFrame {
         context_(view_, scene, config, request,
                  (out.wanted & kRemembered) | kNormal | (has_light_ ? kLight : 0U)),
         support_(view_.grid, config.foveated.support_spacing),
-        probability_(request.foveation.view(index), request.foveation.model()),
+        probability_(request.foveation.view(index), request.foveation.model(), memory_.density),
         mask_(support_, view_.grid.width(), view_.grid.height()),
         fresh_(memory_.fresh) {}
 
@@ -81,6 +81,7 @@ class ViewFrame {
     }
     if (outcome == Outcome::Completed) outcome = resample();
     if (outcome == Outcome::Completed) outcome = merge();
+    keep_to_budget();
     report_.stopped = outcome == Outcome::Stopped;
     // A picture half written is nothing to remember.
     if (report_.stopped) memory_.grid = {};
@@ -93,6 +94,13 @@ class ViewFrame {
     const double begin = scheduling::thread_cpu_ms();
     mask_.choose(probability_, request_.frame, request_.seed, config_.foveated, scheduler_);
     report_.mask_ms += scheduling::thread_cpu_ms() - begin;
+  }
+
+  void keep_to_budget() {
+    const auto traced = static_cast<float>(mask_.chosen().size() + mask_.resampled().size());
+    const auto cells = static_cast<float>(out_.radiance.size());
+    const float budget = config_.foveated.ray_budget;
+    memory_.density = budget < 1.0F ? next_density(memory_.density, traced / cells, budget) : 1.0F;
   }
 
   void prepare_fresh() {

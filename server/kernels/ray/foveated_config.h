@@ -63,7 +63,10 @@ struct FoveatedConfig {
   float fovea_weight = 0.2F;             ///< least weight where every cell is traced, (0, 1]
   float clip_fovea = 1.0F, clip_outside = 2.0F;  ///< standard deviations
   float most_resampled = 0.25F;                  ///< share of a frame's primary rays, [0, 1)
-  int post_probes = 8;                           ///< n of section 3.5
+  /// Share of a view's cells that may be traced, (0, 1]: probabilities below 1 are scaled from
+  /// frame to frame until it is met. 1: as many as the rate model asks.
+  float ray_budget = 1.0F;
+  int post_probes = 8;  ///< n of section 3.5
 
   MaskKind mask = MaskKind::BlueNoise;
   WarpKind warp = WarpKind::Verified;

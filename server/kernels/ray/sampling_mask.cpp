@@ -84,14 +84,16 @@ image::Rect band_of(std::size_t band, int width, int height) {
 
 }  // namespace
 
-Probability::Probability(const FoveationMap::ViewInput& view, const foveation::RateModel& model)
+Probability::Probability(const FoveationMap::ViewInput& view, const foveation::RateModel& model,
+                         float density)
     : view_(view),
       gaze_(glm::normalize(view.gaze.direction)),
       per_area_(
           static_cast<float>(1.0 / (view.nominal_pixel_tangent.x * view.nominal_pixel_tangent.y))) {
   for (int i = 0; i <= kTableSize; ++i) {
     const double half_sine = static_cast<double>(i) / kTableSize;
-    rates_.push_back(static_cast<float>(model.rate(Radians{2.0 * std::asin(half_sine)})));
+    const auto rate = static_cast<float>(model.rate(Radians{2.0 * std::asin(half_sine)}));
+    rates_.push_back(rate < 1.0F ? density * rate : rate);
   }
   for (int x = 0; x < view.grid.width(); ++x) {
     tangent_x_.push_back(view.grid.tangent(x, 0).x);
@@ -117,6 +119,12 @@ float Probability::at(int x, int y) const {
 
 void Probability::row(int y, std::span<float> out) const {
   probabilities(arguments(y, 0, static_cast<int>(out.size())), out);
+}
+
+float next_density(float density, float traced, float budget) {
+  constexpr float kLeast = 1.0F / 64.0F;  // below it hardly anything is left to chance
+  const float ratio = budget / traced;
+  return std::clamp(density * ratio * ratio, kLeast, 1.0F);
 }
 
 SamplingMask::SamplingMask(const Support& support, int width, int height)

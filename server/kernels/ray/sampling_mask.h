@@ -24,7 +24,9 @@ enum class Reason : std::uint8_t { None, Chance, Fovea, Support, Resampled };
 /// taking the table's nearer end never undersamples. Immutable.
 class Probability {
  public:
-  explicit Probability(const FoveationMap::ViewInput& view, const foveation::RateModel& model);
+  /// Rates below 1 are multiplied by `density`, in (0, 1].
+  Probability(const FoveationMap::ViewInput& view, const foveation::RateModel& model,
+              float density = 1.0F);
   float at(int x, int y) const;
   void row(int y, std::span<float> out) const;
 
@@ -43,6 +45,11 @@ struct MaskCounts {
   std::size_t resampled = 0;
   std::size_t forgotten = 0;  ///< cells nothing is remembered of, before resampling
 };
+
+/// The density that brings the share of traced cells nearer to a budget, after a frame that traced
+/// the share `traced` > 0 of them at `density`. Traced shares grow with density, from what is
+/// always traced on: squaring the ratio makes up for that part without overshooting for ever.
+float next_density(float density, float traced, float budget);
 
 class SamplingMask {
  public:

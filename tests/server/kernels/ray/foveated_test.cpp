@@ -236,6 +236,28 @@ TEST(Foveated, AfterACutTheFoveaHasNoGhostWithinTwoFrames) {
   EXPECT_LE(error(travelled), 1.2 * error(fresh));
 }
 
+TEST(Foveated, ABudgetOfRaysIsMetWithinAFewFramesAndTheFoveaStaysWhole) {
+  const auto scene = test::frame_of(lamp_room());
+  const auto share_along_a_path = [&](float budget) {
+    Config config = foveated_config();
+    config.foveated.ray_budget = budget;
+    Viewer run(scene, config);
+    double traced = 0.0;
+    for (int frame = 0; frame < 24; ++frame) {
+      View view = view_of(128);
+      view.world_from_view = yawed(0.3 * frame);
+      run.render(view, static_cast<std::uint64_t>(frame));
+      if (frame >= 16) traced += static_cast<double>(run.report.primary_rays);
+    }
+    return traced / (8.0 * 128.0 * 128.0);
+  };
+  const double free = share_along_a_path(1.0F);
+  const double budget = 0.85 * free;
+  EXPECT_NEAR(share_along_a_path(static_cast<float>(budget)), budget, 0.03 * budget);
+  // A hopeless budget leaves the support and the fovea.
+  EXPECT_GT(share_along_a_path(1e-3F), 0.5 * free);
+}
+
 TEST(Foveated, EveryFormAsPrintedGivesFinitePicturesToo) {
   const auto scene = test::frame_of(test::closed_room());
   Config config = foveated_config();
