@@ -89,6 +89,8 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   config.views.rate_model = *foveation::find_rate_model(options.rate_model);
   config.views.fovea_oversampling = options.oversampling;
   config.views.guard_band = Degrees{options.guard_deg};
+  config.rules.longest_horizon = units::from_ms(options.predict_ms);
+  if (options.predict_ms > 0.0) config.rules.most_guard_band = Degrees{15.0};
   config.jpeg_quality = options.quality;
   if (options.target_ms) config.target_frame_time = units::from_ms(*options.target_ms);
   Options told = options;

@@ -43,6 +43,10 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--guard-deg", options.guard_deg,
                  "Rendered beyond the display on every side, for turns of the head, 0 to 15")
       ->capture_default_str();
+  app.add_option("--predict-ms", options.predict_ms,
+                 "Render at most this far ahead of the head, for as long as frames take, 0 to 200; "
+                 "0 also keeps the guard band as it is set")
+      ->capture_default_str();
   app.add_option("--codec", options.codec, "Colour: jpeg or lossless")->capture_default_str();
   app.add_option("--quality", options.quality, "JPEG quality, 1 to 100")->capture_default_str();
   app.add_option("--area-samples", options.area_samples,
@@ -110,6 +114,7 @@ Result<void> check_options(const Options& o) {
   if (auto ok = in_range("--threads", o.threads, 0, 1024); !ok) return ok;
   if (!(o.guard_deg >= 0.0 && o.guard_deg <= 15.0))
     return base::bad_input(base::concat("is ", o.guard_deg), "--guard-deg", "0 to 15");
+  if (auto ok = in_range("--predict-ms", o.predict_ms, 0.0, 200.0); !ok) return ok;
   if (o.codec != "jpeg" && o.codec != "lossless")
     return base::bad_input(base::concat("unknown codec '", o.codec, "'"), "--codec",
                            "jpeg, lossless");
@@ -129,10 +134,10 @@ std::string describe(const Options& o) {
        << "\nbind = " << quoted(o.bind) << "\nkeys = " << quoted(o.keys) << '\n';
   if (o.target_ms) text << "target_ms = " << *o.target_ms << '\n';
   text << "rate_model = " << quoted(o.rate_model) << "\noversampling = " << o.oversampling
-       << "\nguard_deg = " << o.guard_deg << "\nquality = " << o.quality
-       << "\ncodec = " << quoted(o.codec) << "\narea_samples = " << o.area_samples
-       << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
-       << "\nreuse = " << (o.reuse ? "true" : "false")
+       << "\nguard_deg = " << o.guard_deg << "\npredict_ms = " << o.predict_ms
+       << "\nquality = " << o.quality << "\ncodec = " << quoted(o.codec)
+       << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
+       << "\nthreads = " << o.threads << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
        << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
   return std::move(text).str();

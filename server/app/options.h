@@ -20,6 +20,7 @@ struct Options {
   std::string rate_model = "cortical";
   double oversampling = 1.0;   ///< cells per display pixel at the gaze
   double guard_deg = 4.0;      ///< rendered beyond the display on every side, 0..15
+  double predict_ms = 0.0;     ///< how far ahead of a view's head frames may be rendered; 0: not
   int quality = 85;            ///< JPEG, 1..100
   std::string codec = "jpeg";  ///< jpeg or lossless
   int area_samples = 8;        ///< per primary sample, over all emissive triangles

@@ -66,6 +66,7 @@ constexpr std::array kKeys{
     Key{"rate_model", apply<&Options::rate_model>},
     Key{"oversampling", apply<&Options::oversampling>},
     Key{"guard_deg", apply<&Options::guard_deg>},
+    Key{"predict_ms", apply<&Options::predict_ms>},
     Key{"quality", apply<&Options::quality>},
     Key{"codec", apply<&Options::codec>},
     Key{"area_samples", apply<&Options::area_samples>},

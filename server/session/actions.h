@@ -36,6 +36,8 @@ struct StartFrame {
   net::ViewState view;
   ServerTime view_received{};
   std::shared_ptr<const ClientSetup> setup;
+  Nanoseconds horizon{0};   ///< how far the view's head was carried on from where it was read
+  Degrees guard_band{0.0};  ///< the least to render beyond the display
 };
 struct SendWelcome {
   net::PeerId peer;

@@ -65,7 +65,8 @@ net::FrameBegin EncodeStage::frame_begin(const FrameJob& job) const {
   begin.view_sampled = view.sampled;
   begin.view_predicted_display = view.predicted_display;
   begin.gaze_sampled = view.gaze_sampled;
-  begin.guard_band = config_.views.guard_band;
+  begin.horizon = job.start.horizon;
+  begin.guard_band = job.guard_band;
   begin.kernel = config_.offer.kernel;
   begin.config = config_.description;
   begin.seed = config_.seed;

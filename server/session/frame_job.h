@@ -26,6 +26,7 @@ struct FrameJob {
   kernels::FrameBuffers buffers;
   kernels::FrameReport report;
   std::size_t cells = 0;
+  Degrees guard_band{0.0};
   double scale = 1.0;  ///< of the nominal display, by the governor
   kernels::SceneTime scene_time;
   /// render_end is encode_begin: waiting for the encoder belongs to the encode stage.

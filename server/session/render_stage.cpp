@@ -1,5 +1,6 @@
 #include "server/session/render_stage.h"
 
+#include <algorithm>
 #include <thread>
 #include <utility>
 
@@ -21,8 +22,10 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
   std::this_thread::sleep_for(config_.delays.view_wait);
   job.render_begin = now();
   job.scale = memory.governor.scale();
-  auto prepared =
-      prepare_views(job.start.view, *job.start.setup, config_.views, job.scale, memory.gaze);
+  ViewPolicy policy = config_.views;
+  policy.guard_band = Degrees{std::max(policy.guard_band.value(), job.start.guard_band.value())};
+  job.guard_band = policy.guard_band;
+  auto prepared = prepare_views(job.start.view, *job.start.setup, policy, job.scale, memory.gaze);
   if (!prepared) return base::forward(prepared);
   job.views = std::move(prepared->views);
   job.cells = prepared->cells;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "shared/units/angle.h"
 #include "shared/units/time.h"
 
 namespace macula::session {
@@ -16,6 +17,10 @@ struct SessionRules {
   /// A sent frame without any receiving progress for max(this, loss_timeout_rtts x RTT) is lost.
   Nanoseconds least_loss_timeout{std::chrono::seconds{1}};
   int loss_timeout_rtts = 4;
+  /// A frame's pose is predicted at most this far ahead; 0: poses are rendered as they come.
+  Nanoseconds longest_horizon{0};
+  /// What a fast head may ask for beyond the configured guard band; 0: nothing.
+  Degrees most_guard_band{0.0};
   /// Bounds of the credit window, in frames.
   int least_window = 2, most_window = 6;
   /// Frames of one session between their start and their first byte: one renders while one encodes.

@@ -32,6 +32,7 @@ Actions Session::begin_epoch(net::PeerId peer, net::Welcome welcome, ClientSetup
   welcomed_ = now;
   setup_ = std::make_shared<const ClientSetup>(std::move(setup));
   credit_ = CreditWindow(rules_);
+  forecast_ = HeadForecast(rules_);
   view_.reset();
   newest_sequence_.reset();
   ready_.clear();
@@ -50,7 +51,16 @@ Actions Session::on_view(const net::ViewReceived& event) {
 
 Actions Session::take_acks(const net::Acks& acks, ServerTime received) {
   if (acks.epoch == epoch()) {
-    if (credit_.acknowledge(acks, received) == AckVerdict::AboveLastSent) ++counters_.acks_refused;
+    switch (credit_.acknowledge(acks, received)) {
+      case AckVerdict::AboveLastSent:
+        ++counters_.acks_refused;
+        break;
+      case AckVerdict::Taken:
+        forecast_.on_received(acks.received, received);
+        break;
+      case AckVerdict::Repeated:
+        break;
+    }
     return {};
   }
   ++counters_.foreign_acks;
@@ -71,6 +81,7 @@ void Session::take_view(const net::ViewState& view, ServerTime received) {
   ++counters_.views;
   newest_sequence_ = view.sequence;
   view_ = view;
+  forecast_.add(view);
   view_received_ = received;
   last_view_ = std::max(last_view_, received);
 }
@@ -88,11 +99,16 @@ bool Session::may_start(ServerTime now) const {
 std::optional<StartFrame> Session::start_frame(ServerTime now) {
   if (!may_start(now)) return std::nullopt;
   ++counters_.frames_started;
-  return StartFrame{{id_, epoch(), credit_.start()},
-                    peer_,
-                    *std::exchange(view_, std::nullopt),
-                    view_received_,
-                    setup_};
+  StartFrame start{{id_, epoch(), credit_.start()},
+                   peer_,
+                   *std::exchange(view_, std::nullopt),
+                   view_received_,
+                   setup_};
+  start.horizon = forecast_.horizon(start.view);
+  start.guard_band = forecast_.guard_band(start.view, now);
+  start.view.stage_from_head = forecast_.stage_from_head(start.view);
+  forecast_.on_started(start.key.frame, view_received_);
+  return start;
 }
 
 Actions Session::on_frame_ready(const FrameKey& key, ServerTime now) {

@@ -12,6 +12,7 @@
 
 #include "server/session/actions.h"
 #include "server/session/credit_window.h"
+#include "server/session/head_forecast.h"
 #include "server/session/rules.h"
 
 namespace macula::session {
@@ -29,7 +30,7 @@ struct SessionCounters {
 class Session {
  public:
   Session(std::uint64_t id, std::string client_key, const SessionRules& rules)
-      : id_(id), client_key_(std::move(client_key)), rules_(rules), credit_(rules) {}
+      : id_(id), client_key_(std::move(client_key)), rules_(rules), credit_(rules), forecast_(rules) {}
 
   /// The client said Hello (again): from here on everything of earlier epochs is ignored.
   Actions begin_epoch(net::PeerId peer, net::Welcome welcome, ClientSetup setup, ServerTime now);
@@ -76,6 +77,7 @@ class Session {
   ServerTime welcomed_{};
   std::shared_ptr<const ClientSetup> setup_;
   CreditWindow credit_;
+  HeadForecast forecast_;
   std::optional<net::ViewState> view_;  ///< newest, not yet rendered
   ServerTime view_received_{}, last_view_{};
   std::optional<std::uint64_t> newest_sequence_;

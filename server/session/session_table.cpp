@@ -169,8 +169,8 @@ Actions SessionTable::on_event(const net::FrameSent& event, ServerTime now) {
 void SessionTable::drop(std::uint64_t id, std::string reason, Actions& actions) {
   const auto found = sessions_.find(id);
   if (found == sessions_.end()) return;
-  actions.push_back(AbandonFrames{id, found->second.epoch()});
-  actions.push_back(DropSession{id, std::move(reason)});
+  actions.emplace_back(AbandonFrames{id, found->second.epoch()});
+  actions.emplace_back(DropSession{id, std::move(reason)});
   add(past_, found->second.counters());
   sessions_.erase(found);
   ++counters_.dropped;

@@ -421,8 +421,9 @@ Run declare_reprojection(CLI::App& command) {
   command.add_option("--methods", options->methods, "What to measure")
       ->delimiter(',')
       ->check(CLI::IsMember({"stale", "rotation", "rotation_guard", "mesh", "mesh_cut",
-                             "mesh_cut_splat", "predicted"}))
-      ->option_text("stale,rotation,rotation_guard,mesh,mesh_cut,mesh_cut_splat,predicted (all)");
+                             "mesh_cut_splat", "grid", "predicted"}))
+      ->option_text(
+          "stale,rotation,rotation_guard,mesh,mesh_cut,mesh_cut_splat,grid,predicted (all)");
   command.add_option("--source-scales", options->source_scales, "Cells a pixel along an axis")
       ->delimiter(',')
       ->check(CLI::Range(0.25, 4.0))
@@ -430,6 +431,9 @@ Run declare_reprojection(CLI::App& command) {
   command.add_option("--material", options->material, "lambert for the bars; full apart from them")
       ->check(CLI::IsMember({"lambert", "full"}))
       ->option_text("lambert|full (lambert)");
+  command.add_option("--side", options->side_px, "Of the display, pixels")
+      ->check(CLI::Range(32, 4096))
+      ->option_text("N (600)");
   command.add_option("--poses", options->poses, "Of a row")
       ->check(CLI::Range(1, 1000))
       ->option_text("N (10)");

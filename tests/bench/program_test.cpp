@@ -323,6 +323,61 @@ TEST_F(Program, MethodsOfLightcutsAreHeldToEqualCutsAndTheEyeGetsMostWhereItLook
   EXPECT_TRUE(fs::exists(path("maps") + "/map_attenuation.png"));
 }
 
+TEST_F(Program, ReprojectionKeepsThePictureAtTheSamePoseAndGainsWithEveryStage) {
+  const std::vector<std::string> asked{"reprojection",
+                                       "--scenes",
+                                       "posts",
+                                       "--side",
+                                       "120",
+                                       "--poses",
+                                       "2",
+                                       "--latencies",
+                                       "0,60",
+                                       "--source-scales",
+                                       "1",
+                                       "--methods",
+                                       "stale,rotation_guard,mesh_cut_splat",
+                                       "--json",
+                                       path("reprojection.json")};
+  const Finished run = bench(asked);
+  ASSERT_EQ(run.status, 0) << run.err;
+  std::istringstream lines(run.out);
+  std::string line;
+  std::getline(lines, line);
+  std::istringstream heads(line);
+  const std::vector<std::string> names{std::istream_iterator<std::string>(heads), {}};
+  const auto psnr = static_cast<std::size_t>(std::ranges::find(names, "psnr_db") - names.begin());
+  ASSERT_LT(psnr, names.size());
+  std::vector<double> psnr_db;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    const std::vector<std::string> fields{std::istream_iterator<std::string>(words), {}};
+    ASSERT_EQ(fields.size(), names.size()) << line;
+    psnr_db.push_back(std::stod(fields[psnr]));
+  }
+  ASSERT_EQ(psnr_db.size(), 6U);
+  for (int i = 0; i < 3; ++i) EXPECT_GE(psnr_db[i], 60.0);
+  EXPECT_GT(psnr_db[4], psnr_db[3] + 5.0);
+  EXPECT_GT(psnr_db[5], psnr_db[4] + 0.5);  // the made-up viewer sways by millimeters
+  EXPECT_EQ(bench(asked).out, run.out) << "rows that are known are not measured again";
+}
+
+TEST_F(Program, ReprojectionRefusesTracesThatAreTooShort) {
+  std::ofstream(path("short.csv")) << "t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz\n"
+                                      "0,0,1.6,0,0,0,0,1,,,\n1,0,1.6,0,0,0,0,1,,,\n";
+  const Finished run = bench({"reprojection", "--traces", path("short.csv")});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(contains(run.err, "shorter than 4 s")) << run.err;
+}
+
+TEST_F(Program, TheWarpsFasterWaysShowWhatTheSlowOneShows) {
+  const Finished run = bench({"warp", "--scenes", "posts", "--grids", "foveal", "--size", "160x160",
+                              "--repetitions", "1", "--methods", "every_cell,full"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::size_t last = run.out.find_last_of(" ");
+  EXPECT_GT(std::stod(run.out.substr(last)), 50.0) << run.out;
+}
+
 TEST_F(Program, AMomentOfEveryKindOfMotionCostsLessThanBuildingAnew) {
   const Finished run = bench({"motion", "--quick"});
   ASSERT_EQ(run.status, 0) << run.err;

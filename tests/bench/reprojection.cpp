@@ -27,12 +27,11 @@ namespace {
 using base::forward;
 using reprojection::WarpOptions;
 
-constexpr int kSide_px = 600;
 constexpr Degrees kView{60.0}, kGuard{12.0};
 constexpr double kSamplesPerSecond = 72.0;  // of the head, that prediction sees
 
-foveation::Display display() {
-  return {math::symmetric_fov(kView, 1.0), kSide_px, kSide_px};
+foveation::Display display_of(int side_px) {
+  return {math::symmetric_fov(kView, 1.0), side_px, side_px};
 }
 
 // ---- methods ----
@@ -43,13 +42,14 @@ struct Method {
   bool guarded = true, predicted = false;
 };
 using Silhouettes = WarpOptions::Silhouettes;
-const std::array<Method, 7> kMethods{{
+const std::array<Method, 8> kMethods{{
     {"stale", {.method = WarpOptions::Method::Stale}},
     {"rotation", {.method = WarpOptions::Method::RotationOnly}, false},
     {"rotation_guard", {.method = WarpOptions::Method::RotationOnly}},
     {"mesh", {.silhouettes = Silhouettes::Stretch}},
     {"mesh_cut", {.silhouettes = Silhouettes::Cut}},
     {"mesh_cut_splat", {}},
+    {"grid", {.detail_px = WarpOptions::kGridDetail_px, .filter = WarpOptions::Filter::Bilinear}},
     {"predicted", {}, true, true},
 }};
 
@@ -119,8 +119,8 @@ class Head {
 // ---- measuring ----
 
 /// The part of a picture that lies on the display's own raster.
-SourcePicture without_guard(const SourcePicture& picture) {
-  const DVec2 low = display().fov.tangent_min(), high = display().fov.tangent_max();
+SourcePicture without_guard(const SourcePicture& picture, const foveation::Display& display) {
+  const DVec2 low = display.fov.tangent_min(), high = display.fov.tangent_max();
   const auto range = [](const std::vector<float>& edges, double from, double to) {
     const double slack = 0.25 * (edges[1] - edges[0]);
     const auto first = std::lower_bound(edges.begin(), edges.end(), from - slack);
@@ -224,21 +224,22 @@ struct Samples {
       error_silhouette_pct, cpu_ms, turn_deg, offset_cm;
 };
 
-void add_sample(const SourcePicture& source, const SourcePicture& expected, const Method& method,
+void add_sample(const SourcePicture& source, const SourcePicture& expected,
+                const foveation::Display& display, const Method& method,
                 reprojection::Warper& warper, image::Plane<Rgb8>& shown, Samples& samples) {
   image::Plane<reprojection::Coverage> coverage;
   Stopwatch watch;
-  const auto report = warper.warp(source.view(), expected.stage_from_view, display(),
-                                  method.options, shown, &coverage);
+  const auto report = warper.warp(source.view(), expected.stage_from_view, display, method.options,
+                                  shown, &coverage);
   samples.cpu_ms.push_back(watch.lap().cpu_ms);
   const auto reference = metrics::unit_from_8bit(expected.color);
   const auto test = metrics::unit_from_8bit(shown);
-  const double ppd = display().pixels_per_degree();
+  const double ppd = display.pixels_per_degree();
   samples.psnr_db.push_back(metrics::psnr_db(reference, test));
-  samples.gp_psnr_db.push_back(
-      metrics::gp_psnr_db(reference, test, metrics::GazedView::centred(kSide_px, kSide_px, ppd)));
+  samples.gp_psnr_db.push_back(metrics::gp_psnr_db(
+      reference, test, metrics::GazedView::centred(display.width_px, display.height_px, ppd)));
   samples.flip.push_back(metrics::summarise(metrics::flip_map(reference, test, ppd)).mean);
-  const double pixels = static_cast<double>(kSide_px) * kSide_px;
+  const auto pixels = static_cast<double>(shown.size());
   samples.holes_pct.push_back(100.0 * report.filled_share());
   samples.outside_pct.push_back(100.0 * static_cast<double>(report.outside_px) / pixels);
   const ErrorShares shares = error_shares(shown, coverage, expected);
@@ -305,8 +306,9 @@ class SceneRun {
         setting_(setting),
         head_(head),
         report_(report),
-        raster_(foveation::make_uniform_grid(display())),
-        guarded_(guarded_raster(display(), kGuard, source_scale)) {}
+        display_(display_of(options.side_px)),
+        raster_(foveation::make_uniform_grid(display_)),
+        guarded_(guarded_raster(display_, kGuard, source_scale)) {}
 
   Result<void> run(Progress& progress) {
     const std::vector<double> moments = head_.moments(options_.poses);
@@ -350,8 +352,8 @@ class SceneRun {
     const SourcePicture& expected =
         expected_.emplace(now_s, setting_.render(pose, raster_)).first->second;
     Samples ceiling;
-    add_sample(setting_.render(pose, shifted(guarded_)), expected, kMethods.back(), warper_, shown_,
-               ceiling);
+    add_sample(setting_.render(pose, shifted(guarded_)), expected, display_, kMethods.back(),
+               warper_, shown_, ceiling);
     ceilings_db_.push_back(ceiling.psnr_db.front());
     return expected;
   }
@@ -386,8 +388,8 @@ class SceneRun {
       if (math::angle_between(from, expected.stage_from_view) > Radians(kGuard)) continue;
       std::optional<SourcePicture>& source = method.predicted ? predicted : plain;
       if (!source) source = setting_.render(from, guarded_);
-      add_sample(method.guarded ? *source : without_guard(*source), expected, method, warper_,
-                 shown_, samples[row.method]);
+      add_sample(method.guarded ? *source : without_guard(*source, display_), expected, display_,
+                 method, warper_, shown_, samples[row.method]);
       if (now_s == last_moment_s_) write_pictures(row, expected);
     }
   }
@@ -398,6 +400,7 @@ class SceneRun {
   ReprojectionSetting& setting_;
   const Head& head_;
   Report& report_;
+  const foveation::Display display_;
   const PixelGrid raster_, guarded_;
   double last_moment_s_ = 0.0;
   reprojection::Warper warper_;
@@ -407,7 +410,7 @@ class SceneRun {
 };
 
 Fields config_of(const ReprojectionOptions& options) {
-  return {{"side_px", std::int64_t{kSide_px}},
+  return {{"side_px", std::int64_t{options.side_px}},
           {"fov_deg", kView.value()},
           {"guard_deg", kGuard.value()},
           {"poses", std::int64_t{options.poses}},

@@ -1,6 +1,6 @@
 // `macula-bench reprojection`: what each way of hiding latency is worth. A frame rendered for the
 // head of `latency_ms` ago is warped to the head of now and compared with the renderer at exactly
-// that pose: 60 degrees, 9.07 pixels a degree, 12 degrees of guard band, 3x3 fixed samples on both
+// that pose: 60 degrees, 600 pixels a side, 12 degrees of guard band, 3x3 fixed samples on both
 // sides. Rows
 //   scene trace latency_ms method codec foveated source_scale material layers poses psnr_db
 //   psnr_p10_db gp_psnr_db flip holes_pct outside_guard_pct error_filled_pct error_silhouette_pct
@@ -12,7 +12,8 @@
 // surface; turn_deg and offset_cm are what is left between the rendered and the shown pose.
 // Methods, each more than the one before: stale, rotation (without a guard band), rotation_guard,
 // mesh (stretched over silhouettes), mesh_cut, mesh_cut_splat, predicted (mesh_cut_splat of a frame
-// rendered at the pose that pose::Predictor foretold at 72 samples a second).
+// rendered at the pose that pose::Predictor foretold at 72 samples a second); and grid, the cheaper
+// mesh_cut_splat of slow machines.
 #pragma once
 
 #include <string>
@@ -29,6 +30,7 @@ struct ReprojectionOptions {
   std::vector<std::string> methods;  ///< empty: all
   std::vector<double> source_scales{1.0, 1.5};
   std::string material = "lambert";
+  int side_px = 600;     ///< of the square display
   int poses = 10;        ///< of a row
   int threads = 0;       ///< of the renderer
   std::string pictures;  ///< folder: pictures of the last pose, and of their errors

@@ -52,7 +52,8 @@ TEST(Options, EveryOptionLandsInItsField) {
        "--keys",         "k",     "--target-ms",       "12.5",     "--rate-model", "sphere",
        "--oversampling", "1.5",   "--codec",           "lossless", "--quality",    "70",
        "--area-samples", "3",     "--ambient-samples", "0",        "--threads",    "2",
-       "--guard-deg",    "7.5",   "--explain",         "--reuse",  "--verbose"});
+       "--guard-deg",    "7.5",   "--predict-ms",      "60",       "--explain",    "--reuse",
+       "--verbose"});
   EXPECT_EQ(o.scene, "posts");
   EXPECT_EQ(o.kernel, "brute");
   EXPECT_EQ(o.bind, "tcp://*:1");
@@ -61,6 +62,7 @@ TEST(Options, EveryOptionLandsInItsField) {
   EXPECT_EQ(o.rate_model, "sphere");
   EXPECT_EQ(o.oversampling, 1.5);
   EXPECT_EQ(o.guard_deg, 7.5);
+  EXPECT_EQ(o.predict_ms, 60.0);
   EXPECT_EQ(o.codec, "lossless");
   EXPECT_EQ(o.quality, 70);
   EXPECT_EQ(o.area_samples, 3);
@@ -89,6 +91,7 @@ TEST(Options, ValuesOutOfRangeAreNamedWithWhatIsAllowed) {
   EXPECT_NE(error_of({"--target-ms", "nan"}).find("--target-ms"), std::string::npos);
   EXPECT_NE(error_of({"--oversampling", "1.2"}).find("1.5"), std::string::npos);
   EXPECT_NE(error_of({"--guard-deg", "40"}).find("0 to 15"), std::string::npos);
+  EXPECT_NE(error_of({"--predict-ms", "500"}).find("--predict-ms"), std::string::npos);
   EXPECT_NE(error_of({"--codec", "gif"}).find("jpeg, lossless"), std::string::npos);
   EXPECT_NE(error_of({"--rate-model", "flat"}).find("cortical"), std::string::npos);
   EXPECT_NE(error_of({"--threads", "many"}).find("--threads"), std::string::npos);

@@ -1,0 +1,53 @@
+// HeadForecast: at which pose to render, and how far beyond the display. A frame is seen later than
+// its view was read: by what the last frames took from the view's arrival to their acknowledgement
+// (the way back stands for the way here) and by what the client itself needs from reading a pose to
+// showing it. The head is carried on over that horizon; the guard band covers what a head as fast
+// as of late turns meanwhile. One epoch of one session; pure, not thread-safe, bounded memory.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "server/session/rules.h"
+#include "shared/math/pose_predictor.h"
+#include "shared/net/messages.h"
+
+namespace macula::session {
+
+class HeadForecast {
+ public:
+  explicit HeadForecast(const SessionRules& rules);
+
+  /// Every view that counts, in order.
+  void add(const net::ViewState& view);
+  void on_started(std::uint64_t frame, ServerTime view_received);
+  /// The client has everything up to `frame`.
+  void on_received(std::uint64_t frame, ServerTime now);
+
+  /// Of a frame made from `view`, the newest one added; zero until a frame has been acknowledged
+  /// and where rules.longest_horizon is.
+  Nanoseconds horizon(const net::ViewState& view) const;
+  Pose stage_from_head(const net::ViewState& view) const;
+  /// Whole steps of 2 degrees, at most rules.most_guard_band; falls slowly, so that the grid rests.
+  Degrees guard_band(const net::ViewState& view, ServerTime now);
+
+  /// From a view's arrival to its frame's acknowledgement, smoothed.
+  std::optional<Nanoseconds> latency() const { return latency_; }
+
+ private:
+  Nanoseconds age(const net::ViewState& view) const;
+
+  struct Started {
+    std::uint64_t frame = 0;
+    ServerTime view_received{};
+  };
+  SessionRules rules_;
+  math::PosePredictor head_;
+  std::deque<Started> started_;
+  std::optional<Nanoseconds> latency_;
+  double turn_deg_ = 0.0;  ///< over the age of a frame, lately at most
+  ServerTime turn_at_{};
+};
+
+}  // namespace macula::session
