@@ -288,6 +288,8 @@ Fields fields_of(const RowKey& key, const ReprojectionOptions& options, const Sa
       {"flip", median(samples.flip)},
       {"holes_pct", median(samples.holes_pct)},
       {"outside_guard_pct", median(samples.outside_pct)},
+      {"error_filled_pct", median(samples.error_filled_pct)},
+      {"error_silhouette_pct", median(samples.error_silhouette_pct)},
       {"cpu_ms", median(samples.cpu_ms)},
       {"resampling_ceiling_db", ceiling_db},
       {"turn_deg", median(samples.turn_deg)},
