@@ -254,7 +254,7 @@ HWY_INLINE HWY_ATTR void resolve_catmull_rom(const Resolving& r, const Places& p
     const int column = places.column[i], row = places.row[i];
     BorderTaps border;
     Taps taps;
-    if (column >= 1 && row >= 1 && column <= width - 4 && row <= height - 3) {  // 16 bytes exist
+    if (column >= 1 && row >= 1 && column <= width - 5 && row <= height - 3) {  // 16 bytes exist
       const std::size_t first =
           3 * (static_cast<std::size_t>(row - 1) * static_cast<std::size_t>(width) +
                static_cast<std::size_t>(column - 1));
