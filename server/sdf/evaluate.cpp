@@ -1,6 +1,7 @@
 #include "server/sdf/evaluate.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 
 #include "server/sdf/bank.h"
@@ -30,13 +31,10 @@ void evaluate(const Tape& tape, const PointBatch& points, std::size_t count, Reg
               DistanceBatch& out) {
   MACULA_CHECK(count <= kBatch);
   const std::size_t n = padded(count);
-  Bank bank{registers.points.at_least(3 * kBatch * tape.point_registers),
-            registers.distances.at_least(kBatch * tape.distance_registers), nullptr, kBatch, n};
-  std::memcpy(bank.points, points.x, n * sizeof(float));
-  std::memcpy(bank.points + kBatch, points.y, n * sizeof(float));
-  std::memcpy(bank.points + 2 * kBatch, points.z, n * sizeof(float));
-  run_plain(tape, bank);
-  std::memcpy(out.at, bank.distances + kBatch * tape.result, n * sizeof(float));
+  static_assert(offsetof(PointBatch, y) == kBatch * sizeof(float), "a batch is a register");
+  run_plain(tape, {points.x, registers.points.at_least(3 * kBatch * tape.point_registers),
+                   registers.distances.at_least(kBatch * tape.distance_registers), out.at,
+                   tape.result, nullptr, kBatch, n});
 }
 
 void evaluate_surface(const Tape& tape, const PointBatch& points, std::size_t count,
@@ -45,34 +43,32 @@ void evaluate_surface(const Tape& tape, const PointBatch& points, std::size_t co
   const std::size_t n = padded(count), planes = 4;
   registers.materials.resize(
       std::max(registers.materials.size(), kBatch * std::size_t{tape.distance_registers}));
-  Bank bank{registers.points.at_least(3 * planes * kBatch * tape.point_registers),
-            registers.distances.at_least(planes * kBatch * tape.distance_registers),
-            registers.materials.data(), kBatch, n};
+  float* const input = registers.points.at_least(3 * planes * kBatch * tape.point_registers);
   const float* from[3] = {points.x, points.y, points.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    float* to = bank.points + axis * planes * kBatch;
+    float* to = input + axis * planes * kBatch;
     std::memcpy(to, from[axis], n * sizeof(float));
     for (std::size_t by = 0; by < 3; ++by)
       std::fill_n(to + (1 + by) * kBatch, n, by == axis ? 1.0F : 0.0F);
   }
-  run_surface(tape, bank);
-  const float* result = bank.distances + planes * kBatch * tape.result;
-  std::memcpy(out.distance, result, n * sizeof(float));
-  std::memcpy(out.x, result + kBatch, n * sizeof(float));
-  std::memcpy(out.y, result + 2 * kBatch, n * sizeof(float));
-  std::memcpy(out.z, result + 3 * kBatch, n * sizeof(float));
-  std::memcpy(out.material, bank.materials + kBatch * tape.result, n * sizeof(std::int32_t));
+  static_assert(offsetof(SurfaceBatch, z) == 3 * kBatch * sizeof(float), "a batch is a register");
+  run_surface(
+      tape, {input, input, registers.distances.at_least(planes * kBatch * tape.distance_registers),
+             out.distance, tape.result, registers.materials.data(), kBatch, n});
+  std::memcpy(out.material, registers.materials.data() + kBatch * tape.result,
+              n * sizeof(std::int32_t));
 }
 
 Recording record(const Tape& tape, const PointBatch& points, Registers& registers) {
   constexpr std::size_t n = kRecordedPoints;
-  Bank bank{registers.points.at_least(3 * n * tape.point_registers),
-            registers.distances.at_least(n * tape.distance_registers), nullptr, n, n};
-  std::memcpy(bank.points, points.x, n * sizeof(float));
-  std::memcpy(bank.points + n, points.y, n * sizeof(float));
-  std::memcpy(bank.points + 2 * n, points.z, n * sizeof(float));
-  run_plain(tape, bank);
-  return {bank.distances, bank.points, n};
+  float* const input = registers.points.at_least(3 * n * tape.point_registers);
+  float* const distances = registers.distances.at_least(n * tape.distance_registers);
+  std::memcpy(input, points.x, n * sizeof(float));
+  std::memcpy(input + n, points.y, n * sizeof(float));
+  std::memcpy(input + 2 * n, points.z, n * sizeof(float));
+  run_plain(tape,
+            {input, input, distances, distances + n * tape.result, tape.result, nullptr, n, n});
+  return {distances, input, n};
 }
 
 float evaluate_at(const Tape& tape, const Vec3& point) {
@@ -92,8 +88,9 @@ std::size_t operations_of(const Tape& tape) {
         return 0;
       case Op::Affine:
         return 12;
-      case Op::Repeat:
-        return 30;
+      case Op::Repeat:  // ten an axis that repeats, one for others
+        return 3 + 9 * static_cast<std::size_t>(std::count_if(op.constants + 3, op.constants + 6,
+                                                              [](float k) { return k > 0.0F; }));
       case Op::Mirror:
         return 9;
       case Op::Twist:
@@ -109,7 +106,7 @@ std::size_t operations_of(const Tape& tape) {
       case Op::Cylinder:
         return 17;
       case Op::Cone:
-        return 32;
+        return 31;
       case Op::Capsule:
         return 17;
       case Op::Plane:

@@ -84,11 +84,15 @@ class Machine {
   enum class Change { Offset, Shell, Scale };
   static constexpr bool kSurface = N::kPlanes > 1;
 
-  HWY_INLINE float* point(std::uint16_t index) const {
+  HWY_INLINE const float* point(std::uint16_t index) const {
+    return index == 0 ? bank_.input : new_point(index);
+  }
+  HWY_INLINE float* new_point(std::uint16_t index) const {
     return bank_.points + 3 * N::kPlanes * bank_.stride * index;
   }
   HWY_INLINE float* distance(std::uint16_t index) const {
-    return bank_.distances + N::kPlanes * bank_.stride * index;
+    return index == bank_.result ? bank_.output
+                                 : bank_.distances + N::kPlanes * bank_.stride * index;
   }
   HWY_INLINE std::int32_t* material(std::uint16_t index) const {
     return bank_.materials + bank_.stride * index;
@@ -104,7 +108,7 @@ class Machine {
   HWY_ATTR HWY_NOINLINE void move(const TapeOp& op) const {
     const Warp warp(op.constants);
     const float* from = point(op.a);
-    float* to = point(op.destination);
+    float* to = new_point(op.destination);
     for (std::size_t i = 0; i < bank_.count; i += hn::Lanes(Floats()))
       store_point(warp(load_point<N>(from + i, bank_.stride)), to + i, bank_.stride);
   }

@@ -10,6 +10,8 @@ namespace {
 /// Rays along which the distance falls less than this (met at one degree or less) stay where they
 /// are: there a Newton step would be long and its direction chance.
 constexpr float kNewtonSlope = 1.0F / 64.0F;
+/// A run with gradients carries a value and three derivatives.
+constexpr std::size_t kGradientRuns = 4;
 /// What a Newton step must leave of the distance at most.
 constexpr float kNewtonGain = 0.5F;
 
@@ -121,8 +123,8 @@ MarchWork find_surfaces(TraceScratch& scratch, std::vector<Hit>& hits) {
   SurfaceFinder finder(scratch, hits);
   scratch.block_slabs.each_with_hits([&](Slab& slab) {
     finder.run(slab);
-    work.evaluations += slab.hits.size();
-    work.operations += slab.hits.size() * slab.operations;
+    work.evaluations += 2 * slab.hits.size();
+    work.operations += (kGradientRuns + 1) * slab.hits.size() * slab.operations;
     slab.hits.clear();
   });
   return work;

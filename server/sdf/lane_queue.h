@@ -75,8 +75,14 @@ class LaneQueue {
     c.steps[i] = from.steps[j], c.state[i] = static_cast<std::int32_t>(LaneState::Live);
     c.id[i] = from.id[j];
   }
-  /// The newest page; the queue must not be empty. Give it back to the pool afterwards.
+  /// The newest page that is full, else the one that is not: lanes that are left over gather until
+  /// they fill a page. The queue must not be empty. Give the page back to the pool afterwards.
   Page take() {
+    if (last_ < kBatch && pages_.size() > 1) {
+      const Page page{pages_[pages_.size() - 2], kBatch};
+      pages_.erase(pages_.end() - 2);
+      return page;
+    }
     const Page page{pages_.back(), last_};
     pages_.pop_back();
     last_ = pages_.empty() ? 0 : kBatch;

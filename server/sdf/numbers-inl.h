@@ -105,6 +105,12 @@ HWY_INLINE HWY_ATTR Real length(Real a, Real b) {
 HWY_INLINE HWY_ATTR Real length(Real a, Real b, Real c) {
   return {hn::Sqrt(hn::MulAdd(a.v, a.v, hn::MulAdd(b.v, b.v, hn::Mul(c.v, c.v))))};
 }
+/// The lesser of the lengths of (ax, ay) and (bx, by): roots keep the order of what is under them.
+HWY_INLINE HWY_ATTR Real lesser_length(Real ax, Real ay, Real bx, Real by) {
+  const auto a = hn::MulAdd(ax.v, ax.v, hn::Mul(ay.v, ay.v));
+  const auto b = hn::MulAdd(bx.v, bx.v, hn::Mul(by.v, by.v));
+  return {hn::Sqrt(hn::Min(a, b))};
+}
 HWY_INLINE HWY_ATTR Real square_root(Real a) {
   return {hn::Sqrt(hn::Max(a.v, hn::Zero(Floats())))};
 }
@@ -182,6 +188,9 @@ HWY_INLINE HWY_ATTR Dual length(Dual a, Dual b, Dual c) {
   const Dual two = chained(value, hn::Mul(a.v, inverse), a, hn::Mul(b.v, inverse), b);
   const Dual third = chained(value, hn::Mul(c.v, inverse), c);
   return {value, hn::Add(two.x, third.x), hn::Add(two.y, third.y), hn::Add(two.z, third.z)};
+}
+HWY_INLINE HWY_ATTR Dual lesser_length(Dual ax, Dual ay, Dual bx, Dual by) {
+  return lesser(length(ax, ay), length(bx, by));
 }
 HWY_INLINE HWY_ATTR Dual square_root(Dual a) {
   const auto value = square_root(Real{a.v}).v;

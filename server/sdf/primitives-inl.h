@@ -93,7 +93,7 @@ struct ConeShape {
     N share = mul(add(mul(from_x, side), mul(from_y, height)), inverse);
     share = lesser(greater(share, zero), set(1.0F));
     const N side_x = sub(from_x, mul(share, side)), side_y = sub(from_y, mul(share, height));
-    const N nearest = lesser(length(cap_x, cap_y), length(side_x, side_y));
+    const N nearest = lesser_length(cap_x, cap_y, side_x, side_y);
     const auto inside = hn::And(hn::Lt(side_x.v, zero), hn::Lt(cap_y.v, zero));
     return choose(inside, negate(nearest), nearest);
   }

@@ -68,8 +68,9 @@ struct TraceCounts {
   std::uint64_t rays = 0;
   std::uint64_t ray_evaluations = 0;
   std::uint64_t cone_evaluations = 0;
-  std::uint64_t surface_evaluations = 0;  ///< with gradient, one a hit
-  std::uint64_t operations = 0;           ///< lane operations of all of these (operations_of)
+  std::uint64_t surface_evaluations = 0;  ///< two a hit, one of them with gradient
+  /// Lane operations of all of these (operations_of; with gradient four times as many).
+  std::uint64_t operations = 0;
   std::uint64_t prunings = 0;
   std::uint64_t capped = 0, inside = 0, broken = 0;
 

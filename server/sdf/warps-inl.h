@@ -38,6 +38,7 @@ struct RepeatWarp {
   template <class N>
   HWY_INLINE HWY_ATTR N folded(N x, std::size_t axis) const {
     x = sub(x, set(k[axis]));
+    if (!(k[3 + axis] > 0.0F)) return x;  // not along this axis
     auto cell = hn::Round(hn::Mul(x.v, set(k[6 + axis])));
     cell = hn::Min(hn::Max(cell, set(k[9 + axis])), set(k[12 + axis]));
     x = sub(x, hn::Mul(cell, set(k[3 + axis])));

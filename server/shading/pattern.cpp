@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "shared/math/hash.h"
+#include "server/shading/pattern_lattice.h"
 
 namespace macula::shading {
 namespace {
@@ -37,7 +37,6 @@ float checker(const Vec2& at, const Vec2& width) {
 }
 
 float bricks(const Vec2& at, const Vec2& width) {
-  constexpr float kJoint = 0.08F;  // of a brick's height
   const float course = std::floor(at.y);
   const float shift = std::fmod(std::abs(course), 2.0F) < 0.5F ? 0.0F : 0.5F;
   const float upright = pulses(0.5F * at.x + shift, 0.5F * kJoint, 0.5F * width.x);
@@ -45,9 +44,15 @@ float bricks(const Vec2& at, const Vec2& width) {
   return 1.0F - (1.0F - upright) * (1.0F - level);
 }
 
+/// In [0, 1): a hash of a lattice corner, in 32 bits so that vectors need not widen.
 float lattice(int x, int y, int z) {
-  const auto bits = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)); };
-  return math::unit_float(math::hash_mix(bits(x) << 42U ^ bits(y) << 21U ^ bits(z)));
+  std::uint32_t h = kLatticeX * static_cast<std::uint32_t>(x) ^
+                    kLatticeY * static_cast<std::uint32_t>(y) ^
+                    kLatticeZ * static_cast<std::uint32_t>(z);
+  h = (h ^ h >> 15U) * kLatticeMix[0];
+  h = (h ^ h >> 12U) * kLatticeMix[1];
+  h ^= h >> 15U;
+  return static_cast<float>(h >> 8U) * 0x1p-24F;
 }
 
 /// Values at whole numbers, between them the smoothest cubic without slope at its ends.

@@ -4,6 +4,7 @@
 // space, meters. Pure functions.
 #pragma once
 
+#include "server/sampling/batch.h"
 #include "server/scene/scene.h"
 #include "shared/math/vec.h"
 
@@ -27,5 +28,14 @@ float second_share(const scene::Pattern& pattern, const PatternPoint& point);
 /// The box around what a sample of a given width across the line of sight covers on a surface seen
 /// at a slant: longer by 1 / cosine along it, up to 64 times. `normal`, `to_eye`: unit. Meters.
 Vec3 covered_box(const Vec3& normal, const Vec3& to_eye, float width_m);
+
+/// The first `count` of points side by side, as PatternPoint has them.
+struct PatternPoints {
+  const sampling::Vec3Batch &position, &normal, &footprint_m;
+  std::size_t count = 0;
+};
+/// second_share of each, in vectors: within 1e-5, but for points a rounding from an edge.
+void second_shares(const scene::Pattern& pattern, const PatternPoints& points,
+                   sampling::FloatBatch& out);
 
 }  // namespace macula::shading

@@ -20,6 +20,7 @@
 #include "shared/image/png.h"
 #include "shared/metrics/flip.h"
 #include "shared/metrics/ssim.h"
+#include "tests/bench/fma_rate.h"
 #include "tests/bench/primitive_scenes.h"
 #include "tests/bench/progress.h"
 #include "tests/bench/report.h"
@@ -107,7 +108,7 @@ class Run {
 /// What one method made of a run: costs are means over its frames, per frame.
 struct Measured {
   double cpu_ms = 0.0, wall_ms = 0.0;
-  double evaluations = 0.0;
+  double evaluations = 0.0, operations = 0.0;
   std::map<int, ViewBuffers> pictures;  ///< the first view, by frame index
 };
 
@@ -146,11 +147,13 @@ Result<Measured> measure(const SphereCase& row, const Run& run, const SphereOpti
     if (i > 0 || options.frames == 1) {
       result.cpu_ms += watch.cpu_ms(), result.wall_ms += watch.wall_ms();
       result.evaluations += static_cast<double>(report.field_evaluations);
+      result.operations += static_cast<double>(report.field_operations);
       ++count;
     }
     if (is_key) result.pictures[i] = buffers.views.front();
   }
-  result.cpu_ms /= count, result.wall_ms /= count, result.evaluations /= count;
+  result.cpu_ms /= count, result.wall_ms /= count;
+  result.evaluations /= count, result.operations /= count;
   return result;
 }
 
@@ -243,7 +246,8 @@ std::vector<SphereCase> cases_of(const SphereOptions& options, const std::string
 }
 
 Fields fields_of(const SphereCase& row, const Measured& measured, const Quality& quality,
-                 double full_cpu_ms, double best_cpu_ms, const SphereOptions& options) {
+                 double full_cpu_ms, double best_cpu_ms, double fma_rate,
+                 const SphereOptions& options) {
   const double pixels = static_cast<double>(options.width_px) * options.height_px * row.views;
   const double nothing = std::numeric_limits<double>::quiet_NaN();
   return {{"scene", row.scene},
@@ -255,6 +259,7 @@ Fields fields_of(const SphereCase& row, const Measured& measured, const Quality&
           {"views", std::int64_t{row.views}},
           {"evals_per_px", measured.evaluations / pixels},
           {"evals_s", 1e3 * measured.evaluations / measured.cpu_ms},
+          {"fma_share", 1e3 * measured.operations / measured.cpu_ms / fma_rate},
           {"cpu_ms", measured.cpu_ms},
           {"wall_ms", measured.wall_ms},
           {"speedup", full_cpu_ms / measured.cpu_ms},
@@ -329,13 +334,14 @@ class Group {
       progress.advance();
       const bool is_full = row.method == "full";
       if (!missing(row) && row.method != "full_best") continue;
+      const double fma_rate = fma_lanes_per_cpu_s(scheduler_);
       const auto measured = is_full ? full : measure(row, run_, options_, scheduler_);
       if (!measured) return base::forward(measured);
       if (row.method == "full_best") best_cpu_ms = measured->cpu_ms;
       if (!missing(row)) continue;
       const Quality quality = compare(*full, *measured, row, options_, tone);
       report_.rows.push_back(
-          fields_of(row, *measured, quality, full->cpu_ms, best_cpu_ms, options_));
+          fields_of(row, *measured, quality, full->cpu_ms, best_cpu_ms, fma_rate, options_));
       if (auto ok = write_pictures(row, *measured, options_, tone); !ok) return ok;
       if (options_.json.empty()) continue;
       if (auto ok = write_json(options_.json, report_); !ok) return ok;

@@ -2,56 +2,46 @@
 
 #include <limits>
 
-#include "shared/math/vec.h"
-
 namespace macula::kernels::sphere {
 
 bool met_surface(const sdf::Hit& hit) {
   return hit.status == sdf::RayStatus::Hit || hit.status == sdf::RayStatus::Inside;
 }
 
-void HitShader::gather(std::span<const sdf::Hit> hits) {
+ShadedHit HitShader::without_surface(const sdf::Hit& hit) const {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const bool exact = context_.config.mode == Mode::Exact;
+  if (hit.status == sdf::RayStatus::Inside) return {hit, 0.0F, Rgb{0.0F}, Rgb{0.0F}};
+  return {hit, kInfinity, context_.scene.scene().settings.ambient, Rgb{0.0F}};
+}
+
+void HitShader::gather(std::span<const sdf::Hit> hits) {
   const bool random = context_.config.lighting.sky == SkyLight::Traced;
   std::size_t n = 0;
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    const sdf::Hit& hit = hits[i];
-    radiance_[i] = context_.scene.scene().settings.ambient, albedo_[i] = Rgb{0.0F};
-    depth_[i] = kInfinity;
-    if (hit.status == sdf::RayStatus::Inside) radiance_[i] = Rgb{0.0F}, depth_[i] = 0.0F;
+  for (const sdf::Hit& hit : hits) {
     if (hit.status != sdf::RayStatus::Hit) continue;
-    depth_[i] = hit.t * glm::dot(hit.direction, context_.forward);
-    surfaces_.position.set(n, hit.t * hit.direction);
+    surfaces_.position.set(n, hit.direction);
     surfaces_.normal.set(n, hit.normal);
-    surfaces_.to_eye.set(n, -hit.direction);
+    ways_.at[n] = hit.t;
     const Vec2 cell = grid_.footprint(hit.x, hit.y);
-    surfaces_.cell_m.at[n] = std::sqrt(cell.x * cell.y) * depth_[i];
-    surfaces_.footprint_m.at[n] = exact ? 0.0F : surfaces_.cell_m.at[n] * per_sample_;
+    surfaces_.cell_m.at[n] = cell.x * cell.y;
+    surfaces_.material[n] = static_cast<scene::Index>(hit.material);
     if (random) {
       surfaces_.keys[n] =
           sampling::SampleKey(context_.seed, context_.frame, grid_.cell_key(hit.x, hit.y));
       surfaces_.sample[n] = hit.sample;
     }
-    surfaces_.material[n] = static_cast<scene::Index>(hit.material);
-    owner_[n++] = static_cast<std::uint16_t>(i);
+    ++n;
   }
   surfaces_.count = n;
+  const bool exact = context_.config.mode == Mode::Exact;
+  place_surfaces(ways_, context_.forward, exact ? 0.0F : per_sample_, surfaces_, depth_);
 }
 
 void HitShader::light(std::span<const sdf::Hit> hits) {
   gather(hits);
-  const std::size_t n = surfaces_.count;
-  if (n == 0) return;
-  const std::span albedo(surface_albedo_.data(), n), radiance(surface_radiance_.data(), n);
-  context_.lighting.base_colors(surfaces_, albedo);
-  context_.lighting.radiance(surfaces_, albedo, occlusion_, radiance);
-  for (std::size_t i = 0; i < n; ++i) {
-    const bool finite = math::is_finite(radiance[i]);
-    non_finite_ += finite ? 0 : 1;
-    radiance_[owner_[i]] = finite ? radiance[i] : Rgb{0.0F};
-    albedo_[owner_[i]] = albedo[i];
-  }
+  if (surfaces_.count == 0) return;
+  context_.lighting.light(surfaces_, occlusion_, lit_);
+  non_finite_ += blacken_non_finite(surfaces_.count, lit_.radiance);
 }
 
 }  // namespace macula::kernels::sphere

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 
@@ -34,8 +33,15 @@ class HitShader {
       const auto hits = std::span(block.hits)
                             .subspan(first, std::min(sampling::kBatch, block.hits.size() - first));
       light(hits);
-      for (std::size_t i = 0; i < hits.size(); ++i)
-        each(ShadedHit{hits[i], depth_[i], radiance_[i], albedo_[i]});
+      std::size_t n = 0;
+      for (const sdf::Hit& hit : hits) {
+        if (hit.status == sdf::RayStatus::Hit) {
+          each(ShadedHit{hit, depth_.at[n], lit_.radiance[n], lit_.base_color[n]});
+          ++n;
+        } else {
+          each(without_surface(hit));
+        }
+      }
     }
   }
   ShadeWork work() const {
@@ -47,15 +53,17 @@ class HitShader {
  private:
   void light(std::span<const sdf::Hit> hits);
   void gather(std::span<const sdf::Hit> hits);
+  /// The sky, or the black inside of a solid.
+  ShadedHit without_surface(const sdf::Hit& hit) const;
+
   const ViewContext& context_;
   const PixelGrid& grid_;
   float per_sample_;
   Occlusion occlusion_;
   std::uint64_t non_finite_ = 0;
-  SurfaceBatch surfaces_{};
-  std::array<std::uint16_t, sampling::kBatch> owner_;  ///< which hit a surface is
-  std::array<float, sampling::kBatch> depth_;
-  std::array<Rgb, sampling::kBatch> radiance_, albedo_, surface_radiance_, surface_albedo_;
+  SurfaceBatch surfaces_{};  ///< of the hits, in their order
+  LitBatch lit_{};
+  sampling::FloatBatch ways_{}, depth_{};
 };
 
 /// Whether a ray met a surface: Hit, or Inside a solid.

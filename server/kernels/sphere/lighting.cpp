@@ -3,33 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "server/sampling/mappings.h"
 #include "server/sampling/sobol.h"
-#include "shared/base/check.h"
+#include "server/shading/pattern.h"
 
 namespace macula::kernels::sphere {
 namespace {
 
 using sampling::Vec3Batch;
 
-void set_all(shading::ReflectorBatch& reflectors, std::size_t i, const Vec3& normal,
-             const Vec3& to_eye) {
-  reflectors.shading.set(i, normal);
-  reflectors.geometric.set(i, normal);
-  reflectors.to_eye.set(i, to_eye);
-}
+/// Which of the materials some point has.
+class Present {
+ public:
+  Present(const SurfaceBatch& points, std::size_t materials) : has_(materials, 0) {
+    for (std::size_t i = 0; i < points.count; ++i) has_[points.material[i]] = 1;
+  }
+  bool operator[](std::size_t material) const { return has_[material] != 0; }
 
-/// A surface without a lobe: the same in every direction.
-void set_matte(shading::ReflectorBatch& reflectors, std::size_t i, const Rgb& albedo) {
-  reflectors.diffuse.set(i, albedo * std::numbers::inv_pi_v<float>);
-  reflectors.reflectance.set(i, albedo);
-  reflectors.f0.set(i, Rgb{0.0F});
-  reflectors.f90.at[i] = 0.0F;
-  reflectors.cos_v.at[i] = 1.0F;
-  reflectors.alpha.at[i] = 0.0F;
-}
+ private:
+  std::vector<std::uint8_t> has_;
+};
 
 }  // namespace
 
@@ -39,81 +33,91 @@ Lighting::Lighting(const SceneFrame& scene, const Config& config, const DVec3& e
     light.position -= eye;
     lights_.push_back(light);
   }
+  for (const scene::Material& material : scene.scene().materials)
+    rows_.push_back(row_of(material, static_cast<scene::Index>(rows_.size())));
 }
 
-void Lighting::base_colors(const SurfaceBatch& points, std::span<Rgb> out) const {
-  MACULA_DCHECK(out.size() == points.count);
-  for (std::size_t i = 0; i < points.count; ++i) {
-    const Vec3 normal = points.normal[i];
-    const Vec3 box = shading::covered_box(normal, points.to_eye[i], points.footprint_m.at[i]);
-    out[i] =
-        scene_.materials().base_color(points.material[i], {eye_ + points.position[i], normal, box});
+Lighting::Row Lighting::row_of(const scene::Material& material, scene::Index index) const {
+  const shading::MaterialTable& table = scene_.materials();
+  Row row;
+  row.matte.base = row.matte.second = material.base_color;
+  row.pattern = material.pattern;
+  if (row.pattern) row.matte.second = row.pattern->second_color;
+  row.matte.emission = table.emission(index, Vec2{0.0F}, 0.0F);
+  // The diffuse albedo is a share of the base colour that does not depend on it.
+  row.matte.diffuse = table.bsdf(index, Rgb{1.0F}, config_.materials).albedo.x;
+  for (const Rgb& color : {row.matte.base, row.matte.second})
+    row.glossy = row.glossy || table.bsdf(index, color, config_.materials).glossy();
+  return row;
+}
+
+void Lighting::light(const SurfaceBatch& points, Occlusion& occlusion, LitBatch& lit) const {
+  set_reflectors(points, lit);
+  add_sky(points, occlusion, lit);
+  for (const scene::Light& light : lights_) add_light(light, points, occlusion, lit);
+}
+
+void Lighting::set_reflectors(const SurfaceBatch& points, LitBatch& lit) const {
+  const Present present(points, rows_.size());
+  cover(points, eye_, lit);
+  face_eye(points, lit);
+  bool glossy = false;
+  for (std::size_t m = 0; m < rows_.size(); ++m) {
+    if (!present[m]) continue;
+    const Row& row = rows_[m];
+    if (row.pattern)
+      shading::second_shares(*row.pattern, {lit.world, points.normal, lit.box, points.count},
+                             lit.share);
+    take_matte(points, static_cast<scene::Index>(m), row.matte, row.pattern ? &lit.share : nullptr,
+               lit);
+    glossy = glossy || row.glossy;
   }
+  if (glossy) set_lobes(points, lit);
 }
 
-void Lighting::set_reflectors(const SurfaceBatch& points, std::span<const Rgb> base_colors,
-                              shading::ReflectorBatch& reflectors) const {
+void Lighting::set_lobes(const SurfaceBatch& points, LitBatch& lit) const {
   for (std::size_t i = 0; i < points.count; ++i) {
+    if (!rows_[points.material[i]].glossy) continue;
     const shading::Bsdf bsdf =
-        scene_.materials().bsdf(points.material[i], base_colors[i], config_.materials);
-    const Vec3 normal = points.normal[i], to_eye = points.to_eye[i];
-    const Vec3 seen = glm::dot(normal, to_eye) < 0.0F ? -normal : normal;
-    if (bsdf.glossy()) {
-      reflectors.set(i, shading::Reflector(bsdf, shading::make_shading_frame(seen, seen, to_eye)));
-    } else {
-      set_all(reflectors, i, seen, to_eye);
-      set_matte(reflectors, i, bsdf.albedo);
-    }
+        scene_.materials().bsdf(points.material[i], lit.base_color[i], config_.materials);
+    if (!bsdf.glossy()) continue;
+    const Vec3 seen = lit.reflectors.shading[i];
+    lit.reflectors.set(
+        i, shading::Reflector(bsdf, shading::make_shading_frame(seen, seen, points.to_eye[i])));
   }
-}
-
-void Lighting::radiance(const SurfaceBatch& points, std::span<const Rgb> base_colors,
-                        Occlusion& occlusion, std::span<Rgb> radiance) const {
-  MACULA_DCHECK(radiance.size() == points.count && base_colors.size() == points.count);
-  shading::ReflectorBatch reflectors{};
-  set_reflectors(points, base_colors, reflectors);
-  for (std::size_t i = 0; i < points.count; ++i)
-    radiance[i] = scene_.materials().emission(points.material[i], Vec2{0.0F}, 0.0F);
-  add_sky(points, reflectors, occlusion, radiance);
-  for (const scene::Light& light : lights_)
-    add_light(light, points, reflectors, occlusion, radiance);
 }
 
 void Lighting::add_light(const scene::Light& light, const SurfaceBatch& points,
-                         const shading::ReflectorBatch& reflectors, Occlusion& occlusion,
-                         std::span<Rgb> radiance) const {
-  lights::ArrivalBatch arrival{};
-  Vec3Batch reflected{};
-  lights::arriving(light, points.position, points.count, arrival);
-  shading::reflect(reflectors, arrival.to_light, arrival.irradiance, points.count, reflected);
-  if (config_.lighting.shadows == Shadows::None) {
-    for (std::size_t i = 0; i < points.count; ++i) radiance[i] += reflected[i];
-    return;
-  }
-  sampling::FloatBatch distance{}, brings{}, reaching{};
+                         Occlusion& occlusion, LitBatch& lit) const {
+  lights::arriving(light, points.position, points.count, lit.arrival);
+  shading::reflect(lit.reflectors, lit.arrival.to_light, lit.arrival.irradiance, points.count,
+                   lit.reflected);
+  if (config_.lighting.shadows == Shadows::None)
+    return add(lit.reflected, nullptr, points.count, lit.radiance);
+  sampling::FloatBatch distance{}, brings{};
   const bool far = light.kind == scene::LightKind::Directional;
   for (std::size_t i = 0; i < points.count; ++i) {
-    brings.at[i] = reflected[i] == Rgb{0.0F} ? 0.0F : 1.0F;
+    brings.at[i] = lit.reflected[i] == Rgb{0.0F} ? 0.0F : 1.0F;
     distance.at[i] = far ? std::numeric_limits<float>::infinity()
                          : glm::length(Vec3(light.position) - points.position[i]);
   }
   const bool soft = config_.lighting.shadows == Shadows::Soft;
   const double radius = soft ? std::tan(Radians{config_.lighting.light_radius}.value()) : 0.0;
-  occlusion.light(points, arrival.to_light, distance, static_cast<float>(radius), brings, reaching);
-  for (std::size_t i = 0; i < points.count; ++i) radiance[i] += reaching.at[i] * reflected[i];
+  std::fill_n(lit.share.at, points.count, 0.0F);
+  occlusion.light(points, lit.arrival.to_light, distance, static_cast<float>(radius), brings,
+                  lit.share);
+  add(lit.reflected, &lit.share, points.count, lit.radiance);
 }
 
-void Lighting::add_sky(const SurfaceBatch& points, const shading::ReflectorBatch& reflectors,
-                       Occlusion& occlusion, std::span<Rgb> radiance) const {
+void Lighting::add_sky(const SurfaceBatch& points, Occlusion& occlusion, LitBatch& lit) const {
   const Rgb& sky = scene_.scene().settings.ambient;
-  if (config_.lighting.sky == SkyLight::None || sky == Rgb{0.0F}) return;
-  sampling::FloatBatch reaching{};
-  std::fill_n(reaching.at, points.count, 1.0F);
-  if (config_.lighting.sky == SkyLight::Near)
-    occlusion.near_sky(points, static_cast<float>(config_.lighting.near_sky_m), reaching);
-  if (config_.lighting.sky == SkyLight::Traced) traced_sky(points, reflectors, occlusion, reaching);
-  for (std::size_t i = 0; i < points.count; ++i)
-    radiance[i] += reaching.at[i] * sky * reflectors.reflectance[i];
+  const SkyLight how = config_.lighting.sky;
+  if (how == SkyLight::None || sky == Rgb{0.0F}) return;
+  if (how == SkyLight::Near)
+    occlusion.near_sky(points, static_cast<float>(config_.lighting.near_sky_m), lit.share);
+  if (how == SkyLight::Traced) traced_sky(points, lit.reflectors, occlusion, lit.share);
+  add_reflected(sky, lit.reflectors.reflectance, how == SkyLight::All ? nullptr : &lit.share,
+                points.count, lit.radiance);
 }
 
 /// The share of cosine-distributed directions about the normal that meet nothing.

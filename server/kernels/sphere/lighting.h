@@ -4,13 +4,12 @@
 // depends on that point alone, never on its neighbours in the batch.
 #pragma once
 
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "server/kernels/sphere/config.h"
+#include "server/kernels/sphere/lighting_simd.h"
 #include "server/kernels/sphere/occlusion.h"
-#include "server/kernels/sphere/surface_batch.h"
-#include "server/shading/reflector_batch.h"
 
 namespace macula::kernels::sphere {
 
@@ -19,21 +18,23 @@ class Lighting {
   /// Refers to the scene, which must outlive it. `eye`: world position of the view.
   Lighting(const SceneFrame& scene, const Config& config, const DVec3& eye);
 
-  /// What the points are made of: base colour under their patterns.
-  void base_colors(const SurfaceBatch& points, std::span<Rgb> out) const;
-  /// Radiance towards the eye, emission included. radiance.size() == base_colors.size() ==
-  /// points.count. `occlusion` is of a program at the same eye.
-  void radiance(const SurfaceBatch& points, std::span<const Rgb> base_colors, Occlusion& occlusion,
-                std::span<Rgb> radiance) const;
+  /// Base colours and radiance of the points, emission included. `occlusion` is of a program at the
+  /// same eye.
+  void light(const SurfaceBatch& points, Occlusion& occlusion, LitBatch& lit) const;
 
  private:
-  void set_reflectors(const SurfaceBatch& points, std::span<const Rgb> base_colors,
-                      shading::ReflectorBatch& reflectors) const;
-  void add_light(const scene::Light& light, const SurfaceBatch& points,
-                 const shading::ReflectorBatch& reflectors, Occlusion& occlusion,
-                 std::span<Rgb> radiance) const;
-  void add_sky(const SurfaceBatch& points, const shading::ReflectorBatch& reflectors,
-               Occlusion& occlusion, std::span<Rgb> radiance) const;
+  /// A material ready to be shown. Glossy: some of its points have a lobe.
+  struct Row {
+    MatteRow matte;
+    std::optional<scene::Pattern> pattern;
+    bool glossy = false;
+  };
+  Row row_of(const scene::Material& material, scene::Index index) const;
+  void set_reflectors(const SurfaceBatch& points, LitBatch& lit) const;
+  void set_lobes(const SurfaceBatch& points, LitBatch& lit) const;
+  void add_light(const scene::Light& light, const SurfaceBatch& points, Occlusion& occlusion,
+                 LitBatch& lit) const;
+  void add_sky(const SurfaceBatch& points, Occlusion& occlusion, LitBatch& lit) const;
   void traced_sky(const SurfaceBatch& points, const shading::ReflectorBatch& reflectors,
                   Occlusion& occlusion, sampling::FloatBatch& reaching) const;
 
@@ -41,6 +42,7 @@ class Lighting {
   const Config& config_;
   Vec3 eye_;
   std::vector<scene::Light> lights_;  ///< relative to the eye
+  std::vector<Row> rows_;             ///< by material
 };
 
 }  // namespace macula::kernels::sphere

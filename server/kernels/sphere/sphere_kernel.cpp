@@ -120,13 +120,11 @@ void SphereKernel::shade(std::span<const SurfacePoint> points, const SceneFrame&
       surfaces.keys[i].value = point.key;
       surfaces.material[i] = point.instance;
     }
-    std::array<Rgb, kBatch> albedo;
-    const auto radiance = out.subspan(batch * kBatch, part.size());
-    lighting.base_colors(surfaces, std::span(albedo).first(part.size()));
     Occlusion occlusion(program);
-    lighting.radiance(surfaces, std::span(albedo).first(part.size()), occlusion, radiance);
-    for (Rgb& value : radiance)
-      if (!math::is_finite(value)) value = Rgb{0.0F};
+    LitBatch lit{};
+    lighting.light(surfaces, occlusion, lit);
+    blacken_non_finite(surfaces.count, lit.radiance);
+    for (std::size_t i = 0; i < part.size(); ++i) out[batch * kBatch + i] = lit.radiance[i];
   });
 }
 

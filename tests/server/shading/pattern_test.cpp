@@ -104,5 +104,54 @@ TEST(Pattern, ScalesWithItsSize) {
   }
 }
 
+/// Points of floors, walls and slopes near and far, of sharp and of wide footprints.
+struct Batch {
+  sampling::Vec3Batch position{}, normal{}, footprint{};
+  explicit Batch(int seed) {
+    for (int i = 0; i < static_cast<int>(sampling::kBatch); ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      const int key = 1000 * seed + i;
+      position.set(at, (i % 5 == 0 ? 1e3F : 1.0F) * random_place(key));
+      normal.set(at, glm::normalize(random_place(key + 7) + Vec3{0.01F}));
+      footprint.set(at, Vec3{i % 7 == 0 ? 0.0F : 2.0F * random(key) * random(key + 3)});
+    }
+  }
+};
+
+TEST(Pattern, VectorsShowWhatEveryPointAloneShows) {
+  for (const PatternKind kind : kKinds) {
+    int apart = 0, count = 0;
+    for (int seed = 0; seed < 8; ++seed) {
+      const Batch batch(seed);
+      sampling::FloatBatch shares{};
+      second_shares(pattern(kind),
+                    {batch.position, batch.normal, batch.footprint, sampling::kBatch}, shares);
+      for (std::size_t i = 0; i < sampling::kBatch; ++i, ++count) {
+        const float alone =
+            second_share(pattern(kind), {batch.position[i], batch.normal[i], batch.footprint[i]});
+        // A point on an edge may fall to either side of it.
+        apart += std::abs(shares.at[i] - alone) > 1e-5F;
+      }
+    }
+    EXPECT_LE(apart, count / 200) << "kind " << static_cast<int>(kind);
+  }
+}
+
+TEST(Pattern, VectorsOfAnotherSizeFailThatTest) {
+  for (const PatternKind kind : kKinds) {
+    const Batch batch(0);
+    sampling::FloatBatch shares{};
+    second_shares(pattern(kind, 0.51F),
+                  {batch.position, batch.normal, batch.footprint, sampling::kBatch}, shares);
+    int apart = 0;
+    for (std::size_t i = 0; i < sampling::kBatch; ++i) {
+      const float alone =
+          second_share(pattern(kind), {batch.position[i], batch.normal[i], batch.footprint[i]});
+      apart += std::abs(shares.at[i] - alone) > 1e-5F;
+    }
+    EXPECT_GT(apart, 20) << "kind " << static_cast<int>(kind);
+  }
+}
+
 }  // namespace
 }  // namespace macula::shading
