@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 #include <vector>
 
 #include "server/sdf/march.h"
@@ -46,7 +45,7 @@ class LaneQueue {
     c.x[i] = direction.x, c.y[i] = direction.y, c.z[i] = direction.z;
     c.width[i] = width, c.half[i] = half;
     c.id[i] = id;
-    start(c, i, 1, at);
+    start(c, i, at);
   }
   /// Such lanes without a half-angle, with consecutive ids, from planes of directions and widths.
   void push(const float* x, const float* y, const float* z, const float* width, std::size_t count,
@@ -54,13 +53,12 @@ class LaneQueue {
     for (std::size_t done = 0; done < count;) {
       Chunk& c = room(pool);
       const std::size_t i = last_, part = std::min(count - done, kBatch - last_);
-      std::copy_n(x + done, part, c.x + i);
-      std::copy_n(y + done, part, c.y + i);
-      std::copy_n(z + done, part, c.z + i);
-      std::copy_n(width + done, part, c.width + i);
-      std::fill_n(c.half + i, part, 0.0F);
-      std::iota(c.id + i, c.id + i + part, id + static_cast<std::uint32_t>(done));
-      start(c, i, part, at);
+      for (std::size_t j = 0; j < part; ++j) {
+        c.x[i + j] = x[done + j], c.y[i + j] = y[done + j], c.z[i + j] = z[done + j];
+        c.width[i + j] = width[done + j], c.half[i + j] = 0.0F;
+        c.id[i + j] = id + static_cast<std::uint32_t>(done + j);
+        start(c, i + j, at);
+      }
       last_ += part, done += part;
     }
   }
@@ -93,13 +91,10 @@ class LaneQueue {
   }
 
  private:
-  static void start(Chunk& c, std::size_t first, std::size_t count, float at) {
-    std::fill_n(c.at + first, count, at);
-    std::fill_n(c.t + first, count, at);
-    std::fill_n(c.radius + first, count, 0.0F);
-    std::fill_n(c.slope + first, count, -1.0F);
-    std::fill_n(c.steps + first, count, 0);
-    std::fill_n(c.state + first, count, static_cast<std::int32_t>(LaneState::Live));
+  static void start(Chunk& c, std::size_t i, float at) {
+    c.at[i] = at, c.t[i] = at;
+    c.radius[i] = 0.0F, c.slope[i] = -1.0F;
+    c.steps[i] = 0, c.state[i] = static_cast<std::int32_t>(LaneState::Live);
   }
   Chunk& room(PagePool& pool) {
     if (pages_.empty() || last_ == kBatch) {

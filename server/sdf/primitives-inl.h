@@ -47,7 +47,7 @@ struct TorusShape {
   template <class N>
   HWY_INLINE HWY_ATTR N operator()(const Point<N>& at) const {
     const Point<N> p = sub(at, c);
-    return sub(length(sub(length(p.x, p.z), radius), p.y), tube);
+    return sub(length(sub(axis_distance(p.x, p.z), radius), p.y), tube);
   }
 };
 
@@ -66,7 +66,7 @@ struct CylinderShape {
   template <class N>
   HWY_INLINE HWY_ATTR N operator()(const Point<N>& at) const {
     const Point<N> p = sub(at, c);
-    return sub(corner(sub(length(p.x, p.z), radius), sub(absolute(p.y), half)), edge);
+    return sub(corner(sub(axis_distance(p.x, p.z), radius), sub(absolute(p.y), half)), edge);
   }
 };
 
@@ -85,7 +85,7 @@ struct ConeShape {
   HWY_INLINE HWY_ATTR N operator()(const Point<N>& at) const {
     const Point<N> p = sub(at, c);
     const auto zero = hn::Zero(Floats());
-    const N q = length(p.x, p.z);
+    const N q = axis_distance(p.x, p.z);
     // To the discs at both ends, and to the slanted side between (bottom, -half) and (top, half).
     const auto rim = hn::IfThenElse(hn::Lt(p.y.v, zero), bottom, top);
     const N cap_x = greater(sub(q, rim), zero), cap_y = sub(absolute(p.y), half);

@@ -215,17 +215,27 @@ class TileTrace {
 
   // ---- rays ----
 
-  /// The rays of a cell start where its cone stopped.
+  /// The rays of a cell start where its cone stopped. Cells of one cone that lie side by side send
+  /// theirs together.
   void make_rays() {
     const std::size_t rays =
         aim_rays({grid_, scene_from_view_, block_, options_.samples, options_.hit_pixels}, s_);
     const auto samples = static_cast<std::size_t>(options_.samples);
-    for (std::size_t i = 0; i < rays; i += samples) {
+    ConeCell from = start_of(0, 0);
+    std::size_t first = 0;
+    const auto send_until = [&](std::size_t end) {
+      if (from.open) send_rays(first, end - first, from.start, s_);
+      if (!from.open) drop_rays(first, end - first, s_);
+      first = end;
+    };
+    for (std::size_t i = 0; start_side_ > 0 && i < rays; i += samples) {
       const Hit& hit = s_.block.hits[i];
-      const ConeCell from = start_of(hit.x - block_.x, hit.y - block_.y);
-      if (from.open) send_rays(i, samples, from.start, s_);
-      if (!from.open) drop_rays(i, samples, s_);
+      const ConeCell next = start_of(hit.x - block_.x, hit.y - block_.y);
+      if (next.open == from.open && next.start == from.start) continue;
+      send_until(i);
+      from = next;
     }
+    send_until(rays);
     counts_.rays += rays;
   }
 
