@@ -26,4 +26,8 @@ struct Bank {
 void run_plain(const Tape& tape, const Bank& bank);
 void run_surface(const Tape& tape, const Bank& bank);
 
+/// The root that formulas of lengths use (numbers-inl.h), for its test. Planes at a vector's
+/// alignment, padded to a multiple of 16.
+void roots_by_products(const float* squares, std::size_t count, float* roots);
+
 }  // namespace macula::sdf

@@ -138,10 +138,16 @@ class Compiler {
                           std::int32_t material) {
     const double s = f.scale;
     const DVec3 c = f.offset, p0 = value(node, 0), p1 = value(node, 1), p2 = value(node, 2);
-    const auto make = [&](Op op, std::initializer_list<double> constants) {
-      const std::uint32_t index = emit(op, f.point, 0, lipschitz, constants);
+    const auto make_at = [&](std::uint32_t point, Op op, std::initializer_list<double> constants) {
+      const std::uint32_t index = emit(op, point, 0, lipschitz, constants);
       program_.code[index].material = material;
       return index;
+    };
+    const auto make = [&](Op op, std::initializer_list<double> constants) {
+      return make_at(f.point, op, constants);
+    };
+    const auto make_round = [&](Op op, std::initializer_list<double> constants) {
+      return make_at(revolved(f), op, constants);
     };
     switch (node.kind) {
       case Kind::Sphere:
@@ -152,15 +158,15 @@ class Compiler {
         return make(Op::Box, {c.x, c.y, c.z, half.x, half.y, half.z, edge});
       }
       case Kind::Torus:
-        return make(Op::Torus, {c.x, c.y, c.z, s * p0.x, s * p1.x});
+        return make_round(Op::Torus, {c.y, s * p0.x, s * p1.x});
       case Kind::Cylinder: {
         const double edge = s * std::min({p2.x, p0.x, p1.x});
-        return make(Op::Cylinder, {c.x, c.y, c.z, s * p0.x - edge, s * p1.x - edge, edge});
+        return make_round(Op::Cylinder, {c.y, s * p0.x - edge, s * p1.x - edge, edge});
       }
       case Kind::Cone: {
         const double bottom = s * p0.x, top = s * p1.x, half = s * p2.x, side = top - bottom;
         const double square = side * side + 4.0 * half * half;
-        return make(Op::Cone, {c.x, c.y, c.z, bottom, top, half, side, 2.0 * half, 1.0 / square});
+        return make_round(Op::Cone, {c.y, bottom, top, half, side, 2.0 * half, 1.0 / square});
       }
       case Kind::Capsule: {
         const DVec3 from = c + s * p0, axis = s * (p1 - p0);
@@ -184,6 +190,20 @@ class Compiler {
     }
     MACULA_CHECK(false, "a kind without a primitive");
     return 0;
+  }
+
+  /// The point of what is round about the frame's y axis: that of the primitive before, where both
+  /// stand about one line.
+  std::uint32_t revolved(const Frame& frame) {
+    const auto x = static_cast<float>(frame.offset.x), z = static_cast<float>(frame.offset.z);
+    if (last_revolved_ != 0) {
+      const Instruction& last = program_.code[last_revolved_];
+      const float* k = program_.constants.data() + last.constants;
+      if (last.a == frame.point && k[0] == x && k[1] == z) return last_revolved_;
+    }
+    last_revolved_ = emit(Op::Revolve, frame.point, 0, program_.code[frame.point].lipschitz,
+                          {frame.offset.x, frame.offset.z});
+    return last_revolved_;
   }
 
   // An endless axis is brought near the eye in double; what is left needs few cells.
@@ -314,6 +334,7 @@ class Compiler {
   const Field& field_;
   double time_s_;
   Program program_;
+  std::uint32_t last_revolved_ = 0;  ///< the last Op::Revolve; 0: none yet
 };
 
 }  // namespace

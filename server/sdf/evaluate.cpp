@@ -88,8 +88,8 @@ std::size_t operations_of(const Tape& tape) {
         return 0;
       case Op::Affine:
         return 12;
-      case Op::Repeat:  // ten an axis that repeats, one for others
-        return 3 + 9 * static_cast<std::size_t>(std::count_if(op.constants + 3, op.constants + 6,
+      case Op::Repeat:  // nine an axis that repeats, one for others
+        return 3 + 8 * static_cast<std::size_t>(std::count_if(op.constants + 3, op.constants + 6,
                                                               [](float k) { return k > 0.0F; }));
       case Op::Mirror:
         return 9;
@@ -97,16 +97,18 @@ std::size_t operations_of(const Tape& tape) {
         return 40;
       case Op::Bend:
         return 48;
+      case Op::Revolve:
+        return 5;
       case Op::Sphere:
         return 8;
       case Op::Box:
         return 20;
       case Op::Torus:
-        return 11;
+        return 6;
       case Op::Cylinder:
-        return 17;
+        return 12;
       case Op::Cone:
-        return 31;
+        return 26;
       case Op::Capsule:
         return 17;
       case Op::Plane:

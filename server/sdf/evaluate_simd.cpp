@@ -30,6 +30,8 @@ class Machine {
         return move<TwistWarp>(op);
       case Op::Bend:
         return move<BendWarp>(op);
+      case Op::Revolve:
+        return move<RevolveWarp>(op);
       case Op::Sphere:
         return shape<SphereShape>(op);
       case Op::Box:
@@ -215,6 +217,12 @@ HWY_ATTR void run_surface(const Tape& tape, const Bank& bank) {
   for (const TapeOp& op : tape.ops) machine.run(op);
 }
 
+HWY_ATTR void root_vectors(const float* squares, std::size_t count, float* roots) {
+  const Floats d;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d))
+    hn::Store(root_by_products(hn::Load(d, squares + i)), d, roots + i);
+}
+
 }  // namespace macula::sdf::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -223,12 +231,16 @@ namespace macula::sdf {
 
 HWY_EXPORT(run_plain);
 HWY_EXPORT(run_surface);
+HWY_EXPORT(root_vectors);
 
 void run_plain(const Tape& tape, const Bank& bank) {
   HWY_DYNAMIC_DISPATCH(run_plain)(tape, bank);
 }
 void run_surface(const Tape& tape, const Bank& bank) {
   HWY_DYNAMIC_DISPATCH(run_surface)(tape, bank);
+}
+void roots_by_products(const float* squares, std::size_t count, float* roots) {
+  HWY_DYNAMIC_DISPATCH(root_vectors)(squares, count, roots);
 }
 
 }  // namespace macula::sdf

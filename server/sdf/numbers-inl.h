@@ -56,18 +56,18 @@ HWY_INLINE HWY_ATTR void store_number(Dual a, float* to, std::size_t stride) {
 
 // ---- arithmetic; a FloatVec operand is a constant ----
 
-/// The square root, correctly rounded like hn::Sqrt. In vectors of 512 bits its unit takes a dozen
-/// cycles for one and stands beside those that multiply and add, so a formula with two roots is
-/// done sooner where one of them is theirs: an estimate of 14 bits, one step of Newton for it and
-/// its half reciprocal, and the rest that is left (Markstein 2000, chapter 9). For what is usually
-/// above zero: otherwise the whole vector takes the other way.
+/// The square root, correctly rounded like hn::Sqrt, of what is seldom zero. Vectors of 512 bits
+/// wait a dozen cycles for each root, and formulas around one have little else to do: an estimate
+/// of 14 bits, a step of Newton for it and its half reciprocal, and the rest that is left
+/// (Markstein 2000, chapter 9) take half as long. Whole vectors go the plain way where a lane is
+/// zero or far from one.
 HWY_INLINE HWY_ATTR FloatVec root_by_products(FloatVec a) {
 #if HWY_TARGET <= HWY_AVX3
-  const auto bits = hn::BitCast(Words(), a);
+  const Words dw;
   constexpr std::uint32_t kLeast = 27U << 23U, kMost = 227U << 23U;  // 2^-100, 2^100
-  const auto usual = hn::Lt(hn::Sub(bits, hn::Set(Words(), kLeast)),
-                            hn::Set(Words(), kMost - kLeast));
-  if (HWY_UNLIKELY(!hn::AllTrue(Words(), usual))) return hn::Sqrt(a);
+  const auto above_least = hn::Sub(hn::BitCast(dw, a), hn::Set(dw, kLeast));
+  if (HWY_UNLIKELY(!hn::AllTrue(dw, hn::Lt(above_least, hn::Set(dw, kMost - kLeast)))))
+    return hn::Sqrt(a);
   const auto half = set(0.5F), estimate = hn::ApproximateReciprocalSqrt(a);
   auto root = hn::Mul(a, estimate), half_inverse = hn::Mul(half, estimate);
   const auto error = hn::NegMulAdd(half_inverse, root, half);
@@ -128,9 +128,12 @@ HWY_INLINE HWY_ATTR Real length(Real a, Real b) {
 HWY_INLINE HWY_ATTR Real length(Real a, Real b, Real c) {
   return {hn::Sqrt(hn::MulAdd(a.v, a.v, hn::MulAdd(b.v, b.v, hn::Mul(c.v, c.v))))};
 }
-/// length(a, b) where another root follows: the distance from an axis.
-HWY_INLINE HWY_ATTR Real axis_distance(Real a, Real b) {
+/// Lengths that are seldom zero.
+HWY_INLINE HWY_ATTR Real long_length(Real a, Real b) {
   return {root_by_products(hn::MulAdd(a.v, a.v, hn::Mul(b.v, b.v)))};
+}
+HWY_INLINE HWY_ATTR Real long_length(Real a, Real b, Real c) {
+  return {root_by_products(hn::MulAdd(a.v, a.v, hn::MulAdd(b.v, b.v, hn::Mul(c.v, c.v))))};
 }
 /// The lesser of the lengths of (ax, ay) and (bx, by): roots keep the order of what is under them.
 HWY_INLINE HWY_ATTR Real lesser_length(Real ax, Real ay, Real bx, Real by) {
@@ -216,8 +219,11 @@ HWY_INLINE HWY_ATTR Dual length(Dual a, Dual b, Dual c) {
   const Dual third = chained(value, hn::Mul(c.v, inverse), c);
   return {value, hn::Add(two.x, third.x), hn::Add(two.y, third.y), hn::Add(two.z, third.z)};
 }
-HWY_INLINE HWY_ATTR Dual axis_distance(Dual a, Dual b) {
+HWY_INLINE HWY_ATTR Dual long_length(Dual a, Dual b) {
   return length(a, b);
+}
+HWY_INLINE HWY_ATTR Dual long_length(Dual a, Dual b, Dual c) {
+  return length(a, b, c);
 }
 HWY_INLINE HWY_ATTR Dual lesser_length(Dual ax, Dual ay, Dual bx, Dual by) {
   return lesser(length(ax, ay), length(bx, by));

@@ -20,7 +20,7 @@ struct SphereShape {
   template <class N>
   HWY_INLINE HWY_ATTR N operator()(const Point<N>& at) const {
     const Point<N> p = sub(at, c);
-    return sub(length(p.x, p.y, p.z), radius);
+    return sub(long_length(p.x, p.y, p.z), radius);
   }
 };
 
@@ -40,14 +40,14 @@ struct BoxShape {
   }
 };
 
+// Tori, cylinders and cones take points that Op::Revolve made: x is the distance from their axis.
+
 struct TorusShape {
-  Triple c;
-  FloatVec radius, tube;
-  HWY_ATTR explicit TorusShape(const float* k) : c(triple(k)), radius(set(k[3])), tube(set(k[4])) {}
+  FloatVec y, radius, tube;
+  HWY_ATTR explicit TorusShape(const float* k) : y(set(k[0])), radius(set(k[1])), tube(set(k[2])) {}
   template <class N>
-  HWY_INLINE HWY_ATTR N operator()(const Point<N>& at) const {
-    const Point<N> p = sub(at, c);
-    return sub(length(sub(axis_distance(p.x, p.z), radius), p.y), tube);
+  HWY_INLINE HWY_ATTR N operator()(const Point<N>& p) const {
+    return sub(long_length(sub(p.x, radius), sub(p.y, y)), tube);
   }
 };
 
@@ -59,37 +59,33 @@ HWY_INLINE HWY_ATTR N corner(N x, N y) {
 }
 
 struct CylinderShape {
-  Triple c;
-  FloatVec radius, half, edge;
+  FloatVec y, radius, half, edge;
   HWY_ATTR explicit CylinderShape(const float* k)
-      : c(triple(k)), radius(set(k[3])), half(set(k[4])), edge(set(k[5])) {}
+      : y(set(k[0])), radius(set(k[1])), half(set(k[2])), edge(set(k[3])) {}
   template <class N>
-  HWY_INLINE HWY_ATTR N operator()(const Point<N>& at) const {
-    const Point<N> p = sub(at, c);
-    return sub(corner(sub(axis_distance(p.x, p.z), radius), sub(absolute(p.y), half)), edge);
+  HWY_INLINE HWY_ATTR N operator()(const Point<N>& p) const {
+    return sub(corner(sub(p.x, radius), sub(absolute(sub(p.y, y)), half)), edge);
   }
 };
 
 struct ConeShape {
-  Triple c;
-  FloatVec bottom, top, half, side, height, inverse;
+  FloatVec y, bottom, top, half, side, height, inverse;
   HWY_ATTR explicit ConeShape(const float* k)
-      : c(triple(k)),
-        bottom(set(k[3])),
-        top(set(k[4])),
-        half(set(k[5])),
-        side(set(k[6])),
-        height(set(k[7])),
-        inverse(set(k[8])) {}
+      : y(set(k[0])),
+        bottom(set(k[1])),
+        top(set(k[2])),
+        half(set(k[3])),
+        side(set(k[4])),
+        height(set(k[5])),
+        inverse(set(k[6])) {}
   template <class N>
-  HWY_INLINE HWY_ATTR N operator()(const Point<N>& at) const {
-    const Point<N> p = sub(at, c);
+  HWY_INLINE HWY_ATTR N operator()(const Point<N>& p) const {
     const auto zero = hn::Zero(Floats());
-    const N q = axis_distance(p.x, p.z);
+    const N q = p.x, up = sub(p.y, y);
     // To the discs at both ends, and to the slanted side between (bottom, -half) and (top, half).
-    const auto rim = hn::IfThenElse(hn::Lt(p.y.v, zero), bottom, top);
-    const N cap_x = greater(sub(q, rim), zero), cap_y = sub(absolute(p.y), half);
-    const N from_x = sub(q, bottom), from_y = add(p.y, half);
+    const auto rim = hn::IfThenElse(hn::Lt(up.v, zero), bottom, top);
+    const N cap_x = greater(sub(q, rim), zero), cap_y = sub(absolute(up), half);
+    const N from_x = sub(q, bottom), from_y = add(up, half);
     N share = mul(add(mul(from_x, side), mul(from_y, height)), inverse);
     share = lesser(greater(share, zero), set(1.0F));
     const N side_x = sub(from_x, mul(share, side)), side_y = sub(from_y, mul(share, height));

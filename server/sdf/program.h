@@ -19,6 +19,7 @@ enum class Op : std::uint8_t {
   Mirror,
   Twist,
   Bend,
+  Revolve,  ///< (distance from a line along y, y): shared by what is round about it
   // Distances from points.
   Sphere,
   Box,
@@ -49,7 +50,7 @@ enum class Op : std::uint8_t {
 };
 
 constexpr bool makes_point(Op op) {
-  return op <= Op::Bend;
+  return op <= Op::Revolve;
 }
 constexpr bool is_primitive(Op op) {
   return op >= Op::Sphere && op <= Op::HexPrism;

@@ -28,28 +28,46 @@ struct AffineWarp {
   }
 };
 
+/// Negated where the sign bit is set.
+HWY_INLINE HWY_ATTR Real with_sign_of(Real a, FloatVec sign) {
+  return {hn::Xor(a.v, sign)};
+}
+HWY_INLINE HWY_ATTR Dual with_sign_of(Dual a, FloatVec sign) {
+  return {hn::Xor(a.v, sign), hn::Xor(a.x, sign), hn::Xor(a.y, sign), hn::Xor(a.z, sign)};
+}
+
 /// Into the cell around the nearest multiple of the period, between the first and the last. With
 /// alternation every second cell is a mirror image, which leaves no step at the walls.
 struct RepeatWarp {
-  const float* k;
-  FloatMask alternates;
-  HWY_ATTR explicit RepeatWarp(const float* constants)
-      : k(constants), alternates(hn::Gt(set(constants[15]), set(0.5F))) {}
+  struct Axis {
+    FloatVec offset, period, inverse, first, last;
+    bool repeats;
+    HWY_ATTR explicit Axis(const float* k)
+        : offset(set(k[0])),
+          period(set(k[3])),
+          inverse(set(k[6])),
+          first(set(k[9])),
+          last(set(k[12])),
+          repeats(k[3] > 0.0F) {}
+  };
+  Axis x, y, z;
+  bool alternates;
+  HWY_ATTR explicit RepeatWarp(const float* k)
+      : x(k), y(k + 1), z(k + 2), alternates(k[15] > 0.5F) {}
   template <class N>
-  HWY_INLINE HWY_ATTR N folded(N x, std::size_t axis) const {
-    x = sub(x, set(k[axis]));
-    if (!(k[3 + axis] > 0.0F)) return x;  // not along this axis
-    auto cell = hn::Round(hn::Mul(x.v, set(k[6 + axis])));
-    cell = hn::Min(hn::Max(cell, set(k[9 + axis])), set(k[12 + axis]));
-    x = sub(x, hn::Mul(cell, set(k[3 + axis])));
+  HWY_INLINE HWY_ATTR N folded(N at, const Axis& axis) const {
+    at = sub(at, axis.offset);
+    if (!axis.repeats) return at;
+    auto cell = hn::Round(hn::Mul(at.v, axis.inverse));
+    cell = hn::Min(hn::Max(cell, axis.first), axis.last);
+    at = sub(at, hn::Mul(cell, axis.period));
+    if (!alternates) return at;
     const auto sign = hn::ShiftLeft<31>(hn::NearestInt(cell));
-    const auto odd =
-        hn::And(alternates, hn::MaskFromVec(hn::BitCast(Floats(), hn::BroadcastSignBit(sign))));
-    return choose(odd, negate(x), x);
+    return with_sign_of(at, hn::BitCast(Floats(), sign));
   }
   template <class N>
   HWY_INLINE HWY_ATTR Point<N> operator()(const Point<N>& p) const {
-    return {folded(p.x, 0), folded(p.y, 1), folded(p.z, 2)};
+    return {folded(p.x, x), folded(p.y, y), folded(p.z, z)};
   }
 };
 
@@ -115,6 +133,16 @@ struct BendWarp {
     const N shrink = choose(outside, inverse_of(r, radius), constant(r, set(1.0F)));
     turn_within(p.x, p.y, mul(mul(p.x, shrink), rate), radius);
     return p;
+  }
+};
+
+/// x becomes the distance from the line along y through (k0, ., k1).
+struct RevolveWarp {
+  FloatVec x, z;
+  HWY_ATTR explicit RevolveWarp(const float* k) : x(set(k[0])), z(set(k[1])) {}
+  template <class N>
+  HWY_INLINE HWY_ATTR Point<N> operator()(const Point<N>& p) const {
+    return {long_length(sub(p.x, x), sub(p.z, z)), p.y, constant(p.y, hn::Zero(Floats()))};
   }
 };
 

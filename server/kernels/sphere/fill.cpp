@@ -142,7 +142,7 @@ void average_one(const ViewBuffers& planes, unsigned wanted, int x, int y, MidLe
     for (int cx = kMidSide * x; cx < x1; ++cx) sum += planes.radiance(cx, cy), count += 1.0F;
   const int cx = kMidSide * x, cy = kMidSide * y;
   mid.radiance(x, y) = sum / count;
-  mid.inverse_depth(x, y) = 1.0F / planes.depth_m(cx, cy);
+  mid.inverse_depth(x, y) = inverse_of_depth(planes.depth_m(cx, cy));
   mid.age(x, y) = 0;
   if (wanted & kSurfaceId) mid.surface_id(x, y) = planes.surface_id(cx, cy);
   if (wanted & kNormal) mid.normal(x, y) = planes.normal(cx, cy);

@@ -2,6 +2,7 @@
 // cells. The paper's resolutions are shares of the area: 1/16 and 1/4 of the samples.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "shared/foveation/pixel_grid.h"
@@ -17,6 +18,13 @@ inline constexpr int kMidSide = 2;
 
 /// Every `side`-th edge of a grid; the last column and row may be narrower.
 PixelGrid coarsen(const PixelGrid& grid, int side);
+
+/// 1 / view depth; 0 for +infinity, and finite also for an eye in a solid, whose depth is 0:
+/// neighbours are averaged.
+inline float inverse_of_depth(float depth_m) {
+  constexpr float kLeastDepth = 1e-30F;  // m
+  return 1.0F / std::max(depth_m, kLeastDepth);
+}
 
 /// Where a cell of the middle level comes from in one frame.
 enum class MidSource : std::uint8_t {

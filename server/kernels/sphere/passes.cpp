@@ -124,9 +124,7 @@ class MidWriter {
   void write_guide(const ShadedHit& shaded) {
     const sdf::Hit& hit = shaded.hit;
     const bool met = met_surface(hit);
-    // Finite also for an eye in a solid, whose depth is 0: neighbours are averaged.
-    constexpr float kLeastDepth = 1e-30F;  // m
-    mid_.inverse_depth(hit.x, hit.y) = met ? 1.0F / std::max(shaded.depth_m, kLeastDepth) : 0.0F;
+    mid_.inverse_depth(hit.x, hit.y) = met ? inverse_of_depth(shaded.depth_m) : 0.0F;
     if (wanted_ & kSurfaceId)
       mid_.surface_id(hit.x, hit.y) = met ? static_cast<std::uint32_t>(hit.material) + 1U : 0U;
     if (wanted_ & kNormal) mid_.normal(hit.x, hit.y) = met ? hit.normal : Vec3{0.0F};

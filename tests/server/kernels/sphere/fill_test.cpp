@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace macula::kernels::sphere {
 namespace {
@@ -84,6 +86,26 @@ TEST(Fill, ImportantCellsAreLeftAlone) {
       0, scheduler, planes);
   EXPECT_EQ(planes.radiance(3, 4), Rgb{7.0F});
   EXPECT_EQ(planes.radiance(3, 5), Rgb{1.0F});
+}
+
+/// An eye in a solid sees depth 0, whose inverse was infinite: the next frame's averages over it
+/// were not numbers.
+TEST(Fill, AveragesOfAnEyeInASolidStayFinite) {
+  const PixelGrid grid =
+      foveation::make_uniform_grid({math::symmetric_fov(Degrees{60.0}, 1.0), 8, 8});
+  ViewBuffers planes = planes_of(grid);
+  std::ranges::fill(planes.depth_m.pixels(), 0.0F);
+  planes.depth_m(4, 4) = std::numeric_limits<float>::infinity();
+  planes.depth_m(6, 6) = 2.0F;
+  MidLevel mid;
+  mid.resize(4, 4);
+  std::ranges::fill(mid.source.pixels(), MidSource::Average);
+  TileScheduler scheduler(1);
+  average_important(planes, 0, scheduler, mid);
+  EXPECT_TRUE(std::isfinite(mid.inverse_depth(0, 0)));
+  EXPECT_GT(mid.inverse_depth(0, 0), 1e20F);
+  EXPECT_EQ(mid.inverse_depth(2, 2), 0.0F);
+  EXPECT_EQ(mid.inverse_depth(3, 3), 0.5F);
 }
 
 TEST(Fill, BlurTouchesOnlyWhereImportanceChanges) {
