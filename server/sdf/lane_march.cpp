@@ -1,19 +1,7 @@
 #include "server/sdf/lane_march.h"
 
-#include <algorithm>
-#include <cmath>
-#include <span>
-
 namespace macula::sdf {
 namespace {
-
-/// Rays along which the distance falls less than this (met at one degree or less) stay where they
-/// are: there a Newton step would be long and its direction chance.
-constexpr float kNewtonSlope = 1.0F / 64.0F;
-/// A run with gradients carries a value and three derivatives.
-constexpr std::size_t kGradientRuns = 4;
-/// What a Newton step must leave of the distance at most.
-constexpr float kNewtonGain = 0.5F;
 
 class SlabMarch {
  public:
@@ -48,7 +36,12 @@ class SlabMarch {
     if (state == LaneState::Left)
       return s_.block_slabs.of(lanes.at[i], s_.registers).waiting.push(lanes, i, s_.pool);
     const std::uint32_t id = lanes.id[i];
-    s_.results[id] = {lanes.at[i], static_cast<std::uint16_t>(lanes.steps[i]), state};
+    s_.results[id] = {lanes.at[i],
+                      lanes.radius[i],
+                      lanes.slope[i],
+                      0.0F,
+                      static_cast<std::uint16_t>(lanes.steps[i]),
+                      state};
     if (state == LaneState::Hit) slab_.hits.push_back(id);
   }
 
@@ -56,54 +49,6 @@ class SlabMarch {
   MarchLimits limits_;
   TraceScratch& s_;
   Slab& slab_;
-};
-
-class SurfaceFinder {
- public:
-  SurfaceFinder(TraceScratch& scratch, std::vector<Hit>& hits) : s_(scratch), hits_(hits) {}
-
-  void run(Slab& slab) {
-    const Tape& tape = s_.block_slabs.tape_of(slab, 0, s_.registers);
-    for (std::size_t first = 0; first < slab.hits.size(); first += kBatch) {
-      const std::span<const std::uint32_t> ids(slab.hits.data() + first,
-                                               std::min(kBatch, slab.hits.size() - first));
-      for (std::size_t i = 0; i < ids.size(); ++i)
-        s_.points.set(i, s_.results[ids[i]].at * s_.rays[ids[i]]);
-      evaluate_surface(tape, s_.points, ids.size(), s_.registers, s_.surfaces);
-      for (std::size_t i = 0; i < ids.size(); ++i) take(i, ids[i]);
-      evaluate(tape, s_.points, ids.size(), s_.registers, s_.distances);
-      for (std::size_t i = 0; i < ids.size(); ++i) settle(i, ids[i]);
-    }
-  }
-
- private:
-  /// Normal and material; the point a Newton step ahead into s_.points.
-  void take(std::size_t i, std::uint32_t id) {
-    const float at = s_.results[id].at;
-    Hit& hit = hits_[id];
-    const Vec3 gradient{s_.surfaces.x[i], s_.surfaces.y[i], s_.surfaces.z[i]};
-    const float length = glm::length(gradient);
-    // A ridge or the middle of a shell may have no gradient: such a point faces the eye.
-    const bool usable = length > 1e-6F && std::isfinite(length);
-    hit.normal = usable ? gradient / length : -hit.direction;
-    hit.material = s_.surfaces.material[i];
-    const float falls = -glm::dot(gradient, hit.direction);
-    const float ahead = at + s_.surfaces.distance[i] / falls;
-    // Within the slab's margin wherever in the slab the hit is.
-    const bool holds = std::abs(ahead - at) <= 0.9F * kSlabMargin * at;
-    const bool moves = usable && falls > kNewtonSlope && holds;
-    hit.t = moves ? ahead : at;
-    s_.points.set(i, hit.t * hit.direction);
-  }
-  /// Near an edge the gradient may be that of a face the ray does not meet: the step counts only
-  /// where it led closer.
-  void settle(std::size_t i, std::uint32_t id) {
-    const float before = std::abs(s_.surfaces.distance[i]), after = std::abs(s_.distances.at[i]);
-    if (!(after <= kNewtonGain * before)) hits_[id].t = s_.results[id].at;
-  }
-
-  TraceScratch& s_;
-  std::vector<Hit>& hits_;
 };
 
 }  // namespace
@@ -115,18 +60,6 @@ MarchWork march(Stepping stepping, MarchLimits limits, TraceScratch& scratch) {
     work.evaluations += done;
     work.operations += done * slab->operations;
   }
-  return work;
-}
-
-MarchWork find_surfaces(TraceScratch& scratch, std::vector<Hit>& hits) {
-  MarchWork work;
-  SurfaceFinder finder(scratch, hits);
-  scratch.block_slabs.each_with_hits([&](Slab& slab) {
-    finder.run(slab);
-    work.evaluations += 2 * slab.hits.size();
-    work.operations += (kGradientRuns + 1) * slab.hits.size() * slab.operations;
-    slab.hits.clear();
-  });
   return work;
 }
 

@@ -1,5 +1,4 @@
-// Marches lanes to their end, slab by slab from the nearest, and finds the surfaces they hit.
-// Inside server/sdf.
+// Marches lanes to their end, slab by slab from the nearest. Inside server/sdf.
 #pragma once
 
 #include "server/sdf/scratch.h"
@@ -14,9 +13,5 @@ struct MarchWork {
 /// Every lane that waits in scratch.block_slabs, with their tapes; lane `id` ends in
 /// scratch.results[id]. `limits` but for the slabs' ranges. Hits are left in their slabs.
 MarchWork march(Stepping stepping, MarchLimits limits, TraceScratch& scratch);
-
-/// Normal and material of every hit lane into hits[id]; moves its t onto the surface by one Newton
-/// step along the ray, unless the ray grazes.
-MarchWork find_surfaces(TraceScratch& scratch, std::vector<Hit>& hits);
 
 }  // namespace macula::sdf

@@ -106,12 +106,24 @@ struct Moving {
   }
 };
 
+/// The last place and distance of live lanes, and the slope between the last two.
+HWY_INLINE HWY_ATTR void remember(Chunk& chunk, std::size_t i, const Moving& lanes) {
+  const Floats d;
+  const auto t = hn::Load(d, chunk.t + i), radius = hn::Load(d, chunk.radius + i);
+  const auto slope = hn::Div(hn::Sub(lanes.found, radius), hn::Sub(lanes.at, t));
+  const auto moved = hn::And(lanes.live, hn::Gt(lanes.at, t));
+  hn::Store(hn::IfThenElse(moved, slope, hn::Load(d, chunk.slope + i)), d, chunk.slope + i);
+  hn::Store(hn::IfThenElse(lanes.live, lanes.at, t), d, chunk.t + i);
+  hn::Store(hn::IfThenElse(lanes.live, lanes.found, radius), d, chunk.radius + i);
+}
+
 HWY_ATTR std::size_t advance_plain(Chunk& chunk, std::size_t count, const DistanceBatch& found,
                                    const MarchLimits& limits, PointBatch& points) {
   std::size_t live = 0;
   const auto zero = hn::Zero(Floats());
   for (std::size_t i = 0; i < count; i += hn::Lanes(Floats())) {
     Moving lanes(chunk, i, found);
+    remember(chunk, i, lanes);
     const auto close = hn::MulAdd(hn::Load(Floats(), chunk.width + i), lanes.at, set(limits.hit_m));
     lanes.end(hn::And(hn::Eq(lanes.at, zero), hn::Le(lanes.found, zero)), LaneState::Inside);
     lanes.end(hn::Lt(lanes.found, close), LaneState::Hit);

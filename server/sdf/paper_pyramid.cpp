@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "server/sdf/ray_block.h"
+#include "server/sdf/surfaces.h"
 #include "shared/base/check.h"
 
 namespace macula::sdf {
@@ -90,7 +91,7 @@ TraceCounts PaperPyramid::trace_block(int level, const image::Rect& cells, Trace
   take_results(s, counts);
   image::Plane<float>& out = distances_[static_cast<std::size_t>(level)];
   for (const Hit& hit : s.block.hits) out(hit.x, hit.y) = std::min(hit.t, limits.far_m);
-  const MarchWork surfaces = last ? find_surfaces(s, s.block.hits) : MarchWork{};
+  const MarchWork surfaces = last ? find_surfaces(limits, s, s.block.hits) : MarchWork{};
   counts.ray_evaluations = work.evaluations;
   counts.surface_evaluations = surfaces.evaluations;
   counts.operations = work.operations + surfaces.operations;

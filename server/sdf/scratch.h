@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "server/sdf/crossing.h"
 #include "server/sdf/lane_queue.h"
 #include "server/sdf/slabs.h"
 #include "server/sdf/tracer.h"
@@ -18,6 +19,8 @@ struct ConeCell {
 /// How a lane ended.
 struct LaneResult {
   float at = 0.0F;
+  float found = 0.0F, slope = -1.0F;  ///< of a ray: the last distance, how it changed on the way
+  float stopped = 0.0F;               ///< where it ended, once `at` is moved onto the surface
   std::uint16_t steps = 0;
   LaneState state = LaneState::Miss;
 };
@@ -44,6 +47,9 @@ struct TraceScratch {
   Slabs tile_slabs, block_slabs;
   PointBatch points{};
   DistanceBatch distances{};
+  PointBatch ends{};  ///< a second batch, of the far ends of cells
+  DistanceBatch at_ends{};
+  Crossings crossings{};
   SurfaceBatch surfaces{};
   Directions corners, rays;            ///< of the block's cell corners, and of its samples
   std::vector<float> widths;           ///< of rays: hit distance at unit t

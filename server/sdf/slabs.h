@@ -34,7 +34,7 @@ struct Ball {
   float radius = 0.0F;
 };
 
-/// How far beyond its ends a slab's code still holds, relative to t: room for Newton steps.
+/// How far beyond its ends a slab's code still holds, relative to t: room to find crossings.
 inline constexpr float kSlabMargin = 4e-3F;
 
 struct Slab {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/sdf/ray_block.h"
+#include "server/sdf/surfaces.h"
 #include "shared/base/check.h"
 #include "shared/base/text.h"
 
@@ -131,7 +132,7 @@ class TileTrace {
     count(march(prunes() ? Stepping::Relaxed : Stepping::Plain, limits_, s_),
           counts_.ray_evaluations);
     take_results(s_, counts_);
-    count(find_surfaces(s_, s_.block.hits), counts_.surface_evaluations);
+    count(find_surfaces(limits_, s_, s_.block.hits), counts_.surface_evaluations);
     if (prunes()) counts_.prunings += s_.block_slabs.prunings();
     s_.block.cells = block_;
     done(s_.block);

@@ -31,7 +31,8 @@ struct TraceOptions {
   /// more than one sample a cell's own cone follows by itself.
   std::vector<int> levels{16, 8, 4, 2};
   int samples = 1;  ///< rays a cell, 1..16, at sample_offset(i, samples)
-  /// A ray hits where the distance falls below hit_pixels * (half a cell's width at t) + hit_m.
+  /// A ray hits where it crosses the surface, once the distance has fallen below hit_pixels * (half
+  /// a cell's width at t) + hit_m; where it does not cross near there, where it first was as near.
   float hit_pixels = 0.05F;
   float hit_m = 0.0F;
   int max_steps = 1024;  ///< evaluations a ray; then it is Capped
@@ -68,7 +69,7 @@ struct TraceCounts {
   std::uint64_t rays = 0;
   std::uint64_t ray_evaluations = 0;
   std::uint64_t cone_evaluations = 0;
-  std::uint64_t surface_evaluations = 0;  ///< two a hit, one of them with gradient
+  std::uint64_t surface_evaluations = 0;  ///< to find crossings, and one a hit with gradient
   /// Lane operations of all of these (operations_of; with gradient four times as many).
   std::uint64_t operations = 0;
   std::uint64_t prunings = 0;

@@ -1,9 +1,11 @@
 // From a Scene to Embree's two levels.
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <utility>
 
 #include "server/visibility/builder.h"
+#include "server/visibility/device_count.h"
 
 namespace macula::visibility {
 namespace {
@@ -94,9 +96,18 @@ int packet_width(RTCDevice device, PacketWidth wanted) {
 
 // ---- the device ----
 
+namespace {
+std::atomic<std::uint64_t> made{0};
+}  // namespace
+
+std::uint64_t devices_made() {
+  return made.load();
+}
+
 Result<std::shared_ptr<DeviceState>> DeviceState::create(const std::string& name) {
   auto state = std::make_shared<DeviceState>();
   state->device = rtcNewDevice(nullptr);
+  ++made;
   if (state->device == nullptr) {
     return base::runtime_error(
         "Embree's device cannot be made, code " + std::to_string(rtcGetDeviceError(nullptr)), name,

@@ -164,6 +164,86 @@ TEST_F(Program, PutsScenesOnOneSheetWithTheirFigures) {
   EXPECT_TRUE(contains(wrong.err, "nowhere")) << wrong.err;
 }
 
+/// Rows of a table by column, in order; words are 0.
+std::vector<std::map<std::string, double>> rows_of(const std::string& table) {
+  std::istringstream lines(table);
+  std::string header, line;
+  std::getline(lines, header);
+  std::vector<std::map<std::string, double>> rows;
+  while (std::getline(lines, line)) {
+    std::istringstream names(header), values(line);
+    auto& row = rows.emplace_back();
+    std::string name, value;
+    while (names >> name && values >> value) row[name] = std::strtod(value.c_str(), nullptr);
+  }
+  return rows;
+}
+
+/// Pictures of 48 x 54 pixels: rows and columns, not their figures.
+std::vector<std::string> small_sphere(const std::string& json, const std::string& methods) {
+  return {"sphere",  "--scenes",     "primitives", "--size",    "48x54",    "--ssaa", "1",
+          "--fovea", "7.5",          "--refresh",  "1,4",       "--frames", "3",      "--threads",
+          "1",       "--key-frames", "1",          "--methods", methods,    "--json", json};
+}
+
+TEST_F(Program, SphereMakesARowForEveryMethodFoveaAndRefresh) {
+  const Finished run = bench(small_sphere(path("s.json"), "full,ipr,fipr"));
+  ASSERT_EQ(run.status, 0) << run.err;
+  std::istringstream header(run.out.substr(0, run.out.find('\n')));
+  const std::vector<std::string> columns(std::istream_iterator<std::string>(header), {});
+  EXPECT_EQ(columns, (std::vector<std::string>{
+                         "scene", "method", "fovea_deg", "ssaa", "refresh", "edges", "views",
+                         "evals_per_px", "evals_s", "fma_share", "cpu_ms", "wall_ms", "speedup",
+                         "speedup_best", "ssim", "flip", "flip_fovea", "wrong_hits"}));
+  const auto rows = rows_of(run.out);
+  ASSERT_EQ(rows.size(), 4U) << run.out;
+  EXPECT_EQ(rows[0].at("speedup"), 1.0) << "full is its own baseline";
+  EXPECT_EQ(rows[0].at("flip"), 0.0);
+  EXPECT_EQ(rows[2].at("refresh"), 1.0);
+  EXPECT_EQ(rows[3].at("refresh"), 0.25);
+  EXPECT_LT(rows[1].at("evals_per_px"), rows[0].at("evals_per_px"));
+  EXPECT_LT(rows[3].at("evals_per_px"), rows[2].at("evals_per_px"));
+  for (const auto& row : rows) {
+    EXPECT_GT(row.at("ssim"), 0.7) << run.out;
+    EXPECT_GT(row.at("fma_share"), 0.0) << run.out;
+    EXPECT_LT(row.at("fma_share"), 1.0) << run.out;
+  }
+}
+
+TEST_F(Program, SphereMeasuresOnlyRowsThatItsReportLacks) {
+  const std::string json = path("resumed.json");
+  const Finished first = bench(small_sphere(json, "full,ipr"));
+  ASSERT_EQ(first.status, 0) << first.err;
+  const std::string report = text_of(json);
+  const Finished again = bench(small_sphere(json, "full,ipr"));
+  EXPECT_EQ(again.out, first.out) << "times and all: nothing was measured";
+  EXPECT_EQ(text_of(json), report);
+  const Finished more = bench(small_sphere(json, "full,ipr,full_best"));
+  ASSERT_EQ(more.status, 0) << more.err;
+  const auto before = rows_of(first.out), after = rows_of(more.out);
+  ASSERT_EQ(after.size(), 3U) << more.out;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_EQ(after[i].at("cpu_ms"), before[i].at("cpu_ms")) << "row " << i << " is kept";
+
+  const auto other_size = [&] {
+    std::vector<std::string> arguments = small_sphere(json, "full");
+    *std::ranges::find(arguments, "48x54") = "50x54";
+    return bench(arguments);
+  }();
+  EXPECT_EQ(other_size.status, 2) << "a report of other pictures is not mixed in";
+  EXPECT_TRUE(contains(other_size.err, json)) << other_size.err;
+}
+
+TEST_F(Program, SphereRefusesWhatIsNoField) {
+  const Finished triangles = bench({"sphere", "--scenes", "cornell", "--size", "48x54"});
+  EXPECT_EQ(triangles.status, 2);
+  EXPECT_TRUE(contains(triangles.err, "distance field")) << triangles.err;
+  const Finished method =
+      bench({"sphere", "--scenes", "primitives", "--size", "48x54", "--methods", "fast"});
+  EXPECT_EQ(method.status, 2);
+  EXPECT_TRUE(contains(method.err, "full_best")) << method.err;
+}
+
 TEST_F(Program, NamesAMissingPictureAndWhatToDo) {
   const std::string a = grey_png("a.png", 100);
   for (const char* name : {"missing.png", "missing.exr"}) {

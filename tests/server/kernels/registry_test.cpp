@@ -1,11 +1,13 @@
 #include "server/kernels/registry.h"
 
+#include <memory>
 #include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "server/scene/load.h"
+#include "server/visibility/device_count.h"
 
 namespace macula::kernels {
 namespace {
@@ -77,6 +79,39 @@ TEST(KernelRegistry, AutoRendersADistanceFieldWithSphereAndBuildsNoTriangleDevic
   const auto frame = SceneFrame::create(*field);
   ASSERT_TRUE(frame);
   EXPECT_FALSE((*frame)->triangles().has_device());
+}
+
+/// A picture of 16 x 16 cells from the scene's first camera by the kernel that "auto" stands for.
+void render_small(const std::shared_ptr<const scene::Scene>& scene) {
+  std::vector<std::string_view> registered;
+  for (const KernelEntry& entry : kernel_table()) registered.push_back(entry.name);
+  const auto chosen =
+      scene::choose_kernel(scene::facts_of(*scene), scene::IndirectLight::NotWanted, registered);
+  const auto kernel = make_kernel(chosen.kernel, {});
+  const auto frame = SceneFrame::create(scene);
+  ASSERT_TRUE(kernel && frame);
+  View view;
+  view.grid = foveation::make_uniform_grid({math::symmetric_fov(Degrees{60.0}, 1.0), 16, 16});
+  view.world_from_view = (*frame)->pose().world_from_view.front();
+  const FoveationMap map({{view.grid, view.gaze, DVec2{1e-2}}}, foveation::RateModel{});
+  History history;
+  FrameBuffers buffers;
+  scheduling::TileScheduler scheduler(1);
+  (*kernel)->render({{&view, 1}, map, 0, 1}, **frame, history, scheduler, buffers);
+  double sum = 0.0;
+  for (const Rgb& value : buffers.views.front().radiance.pixels()) sum += value.x;
+  EXPECT_GT(sum, 0.0);
+}
+
+TEST(KernelRegistry, APictureOfADistanceFieldMakesNoDeviceAndOneOfTrianglesDoes) {
+  const auto field = scene::load_scene("columns");
+  const auto triangles = scene::load_scene("cornell");
+  ASSERT_TRUE(field && triangles);
+  const std::uint64_t before = visibility::devices_made();
+  render_small(*field);
+  EXPECT_EQ(visibility::devices_made(), before);
+  render_small(*triangles);
+  EXPECT_GT(visibility::devices_made(), before);
 }
 
 }  // namespace
