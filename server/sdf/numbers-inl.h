@@ -199,8 +199,9 @@ HWY_INLINE HWY_ATTR Dual constant(Dual, FloatVec c) {
 HWY_INLINE HWY_ATTR Real constant(Real, FloatVec c) {
   return {c};
 }
+/// Where both are equal the gradient is a's: distances inside solids end at zero.
 HWY_INLINE HWY_ATTR Dual lesser(Dual a, FloatVec c) {
-  return lesser(a, constant(a, c));
+  return choose(hn::Le(a.v, c), a, constant(a, c));
 }
 HWY_INLINE HWY_ATTR Dual greater(Dual a, FloatVec c) {
   return greater(a, constant(a, c));

@@ -159,10 +159,18 @@ class SlabSurfaces {
 
   // ---- what is there ----
 
+  /// Where the gradient is asked for: the hit distance in front of the surface. On it the way to
+  /// the nearest of its points is shorter than roundings, and so would its direction be made of
+  /// them.
+  float before(std::uint32_t id) const {
+    constexpr float kMost = 0.1F * kCrossingReach;
+    const float at = s_.results[id].at;
+    return at - std::min(s_.widths[id] * at + limits_.hit_m, kMost * at);
+  }
   void take_surfaces() {
     in_batches(slab_.hits, [&](std::span<const std::uint32_t> ids) {
       for (std::size_t i = 0; i < ids.size(); ++i)
-        s_.points.set(i, s_.results[ids[i]].at * s_.rays[ids[i]]);
+        s_.points.set(i, before(ids[i]) * s_.rays[ids[i]]);
       evaluate_surface(tape_, s_.points, ids.size(), s_.registers, s_.surfaces);
       work_.evaluations += ids.size(), work_.operations += kGradientRuns * ids.size();
       make_normals(s_.surfaces, ids.size());

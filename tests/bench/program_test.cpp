@@ -179,9 +179,9 @@ std::vector<std::map<std::string, double>> rows_of(const std::string& table) {
   return rows;
 }
 
-/// Pictures of 48 x 54 pixels: rows and columns, not their figures.
+/// Pictures of 180 x 200 pixels: rows and columns, not their figures.
 std::vector<std::string> small_sphere(const std::string& json, const std::string& methods) {
-  return {"sphere",  "--scenes",     "primitives", "--size",    "48x54",    "--ssaa", "1",
+  return {"sphere",  "--scenes",     "primitives", "--size",    "180x200",  "--ssaa", "1",
           "--fovea", "7.5",          "--refresh",  "1,4",       "--frames", "3",      "--threads",
           "1",       "--key-frames", "1",          "--methods", methods,    "--json", json};
 }
@@ -227,7 +227,7 @@ TEST_F(Program, SphereMeasuresOnlyRowsThatItsReportLacks) {
 
   const auto other_size = [&] {
     std::vector<std::string> arguments = small_sphere(json, "full");
-    *std::ranges::find(arguments, "48x54") = "50x54";
+    *std::ranges::find(arguments, "180x200") = "180x202";
     return bench(arguments);
   }();
   EXPECT_EQ(other_size.status, 2) << "a report of other pictures is not mixed in";
@@ -235,11 +235,11 @@ TEST_F(Program, SphereMeasuresOnlyRowsThatItsReportLacks) {
 }
 
 TEST_F(Program, SphereRefusesWhatIsNoField) {
-  const Finished triangles = bench({"sphere", "--scenes", "cornell", "--size", "48x54"});
+  const Finished triangles = bench({"sphere", "--scenes", "cornell", "--size", "180x200"});
   EXPECT_EQ(triangles.status, 2);
   EXPECT_TRUE(contains(triangles.err, "distance field")) << triangles.err;
   const Finished method =
-      bench({"sphere", "--scenes", "primitives", "--size", "48x54", "--methods", "fast"});
+      bench({"sphere", "--scenes", "primitives", "--size", "180x200", "--methods", "fast"});
   EXPECT_EQ(method.status, 2);
   EXPECT_TRUE(contains(method.err, "full_best")) << method.err;
 }
