@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
 namespace macula::kernels {
 
@@ -13,5 +14,16 @@ struct HistoryRecord {
 struct History {
   std::unique_ptr<HistoryRecord> record;
 };
+
+/// The record of a kernel that keeps a Record; a new one in the place of none, or of another
+/// kernel's.
+template <class Record>
+Record& record_of(History& history) {
+  if (auto* own = dynamic_cast<Record*>(history.record.get())) return *own;
+  auto made = std::make_unique<Record>();
+  Record& own = *made;
+  history.record = std::move(made);
+  return own;
+}
 
 }  // namespace macula::kernels

@@ -1,6 +1,5 @@
 #include "server/kernels/culling/culling_kernel.h"
 
-#include <memory>
 #include <utility>
 
 #include "server/kernels/culling/keep_lights.h"
@@ -10,16 +9,6 @@
 
 namespace macula::kernels::culling {
 namespace {
-
-CullingHistory& history_of(History& history) {
-  auto* own = dynamic_cast<CullingHistory*>(history.record.get());
-  if (own == nullptr) {
-    auto made = std::make_unique<CullingHistory>();
-    own = made.get();
-    history.record = std::move(made);
-  }
-  return *own;
-}
 
 ray::Config lit_by(const Config& config, const KeptLights& kept) {
   ray::Config lit = config.ray;
@@ -84,7 +73,7 @@ FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame&
     return ray::RayKernel(config_.ray).render(request, scene, history, scheduler, out);
   const bool exact = config_.ray.mode == Mode::Exact;
   CullingHistory forgotten;
-  CullingHistory& memory = exact ? forgotten : history_of(history);
+  CullingHistory& memory = exact ? forgotten : record_of<CullingHistory>(history);
   const KeptLights kept = keep_lights(request, scene, config_, memory, scheduler);
   const unsigned wanted =
       std::exchange(out.wanted, exact ? out.wanted : out.wanted | kLight | kNormal);

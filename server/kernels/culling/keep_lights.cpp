@@ -139,46 +139,57 @@ void remember_visibility(std::vector<float>& known, std::vector<float>& visible)
   known = visible;
 }
 
+/// Every virtual light, as it was made.
+KeptLights made_lights(const SceneFrame& scene, const Config& config, std::uint64_t seed,
+                       TileScheduler& scheduler) {
+  vpl::VirtualLights made = vpl::make_virtual_lights(scene, lamps_of(config, seed), scheduler);
+  KeptLights all;
+  all.made = made.lights.size();
+  all.report.stopped = made.stopped;
+  all.report.shadow_rays = made.rays;
+  all.lights = std::move(made.lights);
+  if (config.ray.mode == Mode::Fast)
+    all.least_m = static_cast<double>(config.nearest) * half_extent(all.lights);
+  return all;
+}
+
+/// What each light brings to the frame's shading points, hidden as rays found.
+std::vector<float> what_each_brings(const FrameRequest& request, const SceneFrame& scene,
+                                    const Config& config, CullingHistory& memory,
+                                    TileScheduler& scheduler, KeptLights& all) {
+  const bool exact = config.ray.mode == Mode::Exact;
+  const CullingHistory nothing;
+  const auto points =
+      draw_points(request, scene, config, exact ? nothing : memory, scheduler, all.report);
+  Contributions found =
+      contributions(scene, all.lights, points, config, all.least_m, request.frame, scheduler);
+  all.report.shadow_rays += found.rays;
+  all.report.stopped = all.report.stopped || found.stopped;
+  if (!exact) remember_visibility(memory.visible, found.visible);
+  for (std::size_t i = 0; i < found.visible.size(); ++i) found.unhidden[i] *= found.visible[i];
+  return std::move(found.unhidden);
+}
+
 }  // namespace
 
 KeptLights all_lights(const SceneFrame& scene, const Config& config, std::uint64_t seed,
                       TileScheduler& scheduler) {
-  vpl::VirtualLights made = vpl::make_virtual_lights(scene, lamps_of(config, seed), scheduler);
-  KeptLights kept;
-  kept.report.stopped = made.stopped;
-  kept.made = made.lights.size();
-  kept.report.shadow_rays = made.rays;
-  kept.lights = in_morton_order(std::move(made.lights));
-  if (config.ray.mode == Mode::Fast)
-    kept.least_m = static_cast<double>(config.nearest) * half_extent(kept.lights);
-  return kept;
+  KeptLights all = made_lights(scene, config, seed, scheduler);
+  all.lights = in_morton_order(std::move(all.lights));
+  return all;
 }
 
 KeptLights keep_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
                        CullingHistory& memory, TileScheduler& scheduler) {
-  const bool exact = config.ray.mode == Mode::Exact;
-  const std::uint64_t seed = exact ? SampleKey(request.seed, request.frame, kCullKey).value : 0;
-  vpl::VirtualLights made = vpl::make_virtual_lights(scene, lamps_of(config, seed), scheduler);
-  KeptLights kept;
-  kept.made = made.lights.size();
-  kept.report.stopped = made.stopped;
-  kept.report.shadow_rays = made.rays;
-  if (!exact) kept.least_m = static_cast<double>(config.nearest) * half_extent(made.lights);
-  if (made.stopped) return kept;
-  if (made.lights.size() > static_cast<std::size_t>(config.kept)) {
-    const CullingHistory nothing;
-    const auto points =
-        draw_points(request, scene, config, exact ? nothing : memory, scheduler, kept.report);
-    Contributions found =
-        contributions(scene, made.lights, points, config, kept.least_m, request.frame, scheduler);
-    kept.report.shadow_rays += found.rays;
-    kept.report.stopped = kept.report.stopped || found.stopped;
-    if (!exact) remember_visibility(memory.visible, found.visible);
-    for (std::size_t i = 0; i < found.visible.size(); ++i) found.unhidden[i] *= found.visible[i];
-    const float u = sampling::sample(SampleKey(request.seed, request.frame, kCullKey), 1);
-    made.lights = cull(made.lights, found.unhidden, config, u);
+  const SampleKey key(request.seed, request.frame, kCullKey);
+  const std::uint64_t seed = config.ray.mode == Mode::Exact ? key.value : 0;
+  KeptLights kept = made_lights(scene, config, seed, scheduler);
+  if (kept.report.stopped) return kept;
+  if (kept.made > static_cast<std::size_t>(config.kept)) {
+    const auto brought = what_each_brings(request, scene, config, memory, scheduler, kept);
+    kept.lights = cull(kept.lights, brought, config, sampling::sample(key, 1));
   }
-  kept.lights = in_morton_order(std::move(made.lights));
+  kept.lights = in_morton_order(std::move(kept.lights));
   return kept;
 }
 

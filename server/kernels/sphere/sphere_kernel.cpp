@@ -12,14 +12,9 @@ namespace macula::kernels::sphere {
 namespace {
 
 SphereHistory& history_of(History& history, std::size_t views) {
-  auto* own = dynamic_cast<SphereHistory*>(history.record.get());
-  if (own == nullptr) {
-    auto made = std::make_unique<SphereHistory>();
-    own = made.get();
-    history.record = std::move(made);
-  }
-  if (own->views.size() != views) own->views.assign(views, ViewHistory{});
-  return *own;
+  auto& own = record_of<SphereHistory>(history);
+  if (own.views.size() != views) own.views.assign(views, ViewHistory{});
+  return own;
 }
 
 bool keeps_history(const Config& config) {
