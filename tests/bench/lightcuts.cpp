@@ -9,6 +9,7 @@
 
 #include "shared/image/draw.h"
 #include "shared/image/png.h"
+#include "tests/bench/curve.h"
 #include "tests/bench/lightcuts_setting.h"
 #include "tests/bench/progress.h"
 #include "tests/bench/report.h"
@@ -66,39 +67,6 @@ double mean_of(const Plane<float>& plane) {
   for (const float value : plane.pixels()) sum += static_cast<double>(value);
   return sum / static_cast<double>(plane.size());
 }
-
-/// Straight in the logarithms between the points of a falling curve; beyond its ends it goes on as
-/// 1 / x, as variance falls with time: an end that noise or bias have bent tells nothing.
-class Curve {
- public:
-  struct Point {
-    double x, y;
-  };
-  explicit Curve(std::vector<Point> points) : points_(std::move(points)) {
-    std::ranges::sort(points_, {}, &Point::x);
-  }
-  /// nullopt: fewer than two points, or a value that has no logarithm.
-  std::optional<double> at(double x) const {
-    if (points_.size() < 2 || !(x > 0.0)) return std::nullopt;
-    const Point &first = points_.front(), &last = points_.back();
-    if (x <= first.x) return beyond(first, x);
-    if (x >= last.x) return beyond(last, x);
-    std::size_t right = 1;
-    while (points_[right].x < x) ++right;
-    const Point &a = points_[right - 1], &b = points_[right];
-    if (!(a.x > 0.0 && b.x > a.x && a.y > 0.0 && b.y > 0.0)) return std::nullopt;
-    const double slope = std::log(b.y / a.y) / std::log(b.x / a.x);
-    return a.y * std::pow(x / a.x, slope);
-  }
-
- private:
-  static std::optional<double> beyond(const Point& end, double x) {
-    if (!(end.x > 0.0 && end.y > 0.0)) return std::nullopt;
-    return end.y * end.x / x;
-  }
-
-  std::vector<Point> points_;
-};
 
 template <class Value>
 double or_nan(const std::optional<double>& value, const Value& then) {

@@ -6,6 +6,7 @@
 #include "server/kernels/registry.h"
 #include "server/scene/load.h"
 #include "shared/image/regions.h"
+#include "tests/bench/lit_scene.h"
 #include "tests/bench/stopwatch.h"
 
 namespace macula::bench {
@@ -17,14 +18,7 @@ using scheduling::TileScheduler;
 
 constexpr double kTangent = 1.1;
 constexpr int kWidth_px = 720, kHeight_px = 850;
-constexpr double kStandingEye_m = 1.6;
 constexpr std::uint64_t kFirstReferenceSeed = 1'000'000, kSecondReferenceSeed = 2'000'000;
-
-Pose starting_pose(const scene::Scene& scene) {
-  if (!scene.cameras.empty()) return scene::pose_at(scene, {}).world_from_view.front();
-  return scene.settings.scene_from_stage *
-         Pose{DVec3{0.0, kStandingEye_m, 0.0}, DQuat{1.0, 0.0, 0.0, 0.0}};
-}
 
 foveation::Display paper_display(bool half) {
   const int divisor = half ? 2 : 1;
@@ -34,13 +28,6 @@ foveation::Display paper_display(bool half) {
 
 FoveationMap map_of(const LightcutsSetting& setting) {
   return {{{setting.view.grid, setting.view.gaze, setting.display.pixel_tangent()}}, {}};
-}
-
-float exposure_of(const Plane<Rgb>& radiance) {
-  double sum = 0.0;
-  for (const Rgb& value : radiance.pixels()) sum += static_cast<double>(image::luminance(value));
-  const double mean = sum / static_cast<double>(radiance.size());
-  return mean > 0.0 ? static_cast<float>(std::log2(0.18 / mean)) : 0.0F;
 }
 
 Plane<Rgb> mean_picture(const LightcutsSetting& setting, int nodes, int passes, std::uint64_t seed,
@@ -79,7 +66,7 @@ Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool ha
   setting.lights = setting.scene->placed_lights().size();
   constexpr int kExposureNodes = 8;
   setting.view.tone.exposure_ev =
-      exposure_of(picture_of(setting, uniform_cuts(kExposureNodes), 1, scheduler).radiance);
+      exposure_for(picture_of(setting, uniform_cuts(kExposureNodes), 1, scheduler).radiance);
   return setting;
 }
 

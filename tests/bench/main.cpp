@@ -12,9 +12,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "shared/base/text.h"
 #include "tests/bench/arguments.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/contact_sheet.h"
+#include "tests/bench/culling.h"
+#include "tests/bench/culling_method.h"
 #include "tests/bench/light_tree.h"
 #include "tests/bench/lightcuts.h"
 #include "tests/bench/motion.h"
@@ -223,6 +226,73 @@ Run declare_contact_sheet(CLI::App& command) {
       options->height_px = parsed->height_px;
     }
     return run_contact_sheet(*options);
+  };
+}
+
+Run declare_culling(CLI::App& command) {
+  auto options = std::make_shared<CullingOptions>();
+  auto quick = std::make_shared<bool>(false);
+  command.add_option("--scenes", options->scenes, "Built-in scenes or scene files")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (nave,atrium,city)");
+  command.add_option("--motions", options->motions, "What moves")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"static", "light", "object", "both"}))
+      ->option_text("static,light,object,both (all)");
+  command.add_option("--methods", options->methods, "What to measure (all; see below)")
+      ->delimiter(',')
+      ->option_text("NAME,...");
+  command.add_option("--kept", options->kept, "Virtual lights that are kept")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1 << 20))
+      ->option_text("K,... (256,512,1024,2048,4096)");
+  command.add_option("--side", options->side_px, "Of the picture, pixels")
+      ->check(CLI::Range(32, 4096))
+      ->option_text("N (1024)");
+  command
+      .add_option("--reference-samples", options->reference_samples,
+                  "Paths a pixel of each half-reference")
+      ->check(CLI::Range(1, 1 << 16))
+      ->option_text("N (16)");
+  command.add_option("--warm-up", options->warm_up, "Frames before those that are timed")
+      ->check(CLI::Range(0, 1000))
+      ->option_text("N (8)");
+  command.add_option("--frames", options->frames, "That are timed; the last is judged")
+      ->check(CLI::Range(2, 1000))
+      ->option_text("N (4)");
+  command.add_option("--threads", options->threads, "0 takes all the machine has")
+      ->check(CLI::Range(0, 1024))
+      ->option_text("N (0)");
+  command.add_option("--references", options->references, "Where half-references are kept")
+      ->option_text("DIR (~/.cache/macula-bench)");
+  command.add_option("--pictures", options->pictures, "Judged pictures")->option_text("FOLDER");
+  command.add_option("--json", options->json, "Report; rows it holds already are kept")
+      ->option_text("FILE.json");
+  command.add_flag("--quick", *quick,
+                   "512x512, static and both, 256 and 1024 lights, 8 paths, 3 frames after 4");
+  std::string methods;
+  for (const CullingMethod& method : culling_methods())
+    methods += base::concat("  ", method.name, std::string(18 - method.name.size(), ' '),
+                            method.summary, "\n");
+  command.footer(
+      "Every surface is diffuse, one lamp hangs above the eye, a red ball before it. Errors are\n"
+      "those of exposed light, clipped at 1, against paths of one bounce; from_vpls_ against "
+      "every\n"
+      "virtual light at a sixteenth of the pixels, where brightness_error_pct is told too.\n"
+      "all_vpls is rendered there alone and its time is that of the whole picture. Methods:\n" +
+      methods);
+  return [options, quick, &command]() -> Result<void> {
+    if (*quick) {
+      const CullingOptions given = *options;
+      make_quick(*options);
+      if (command.count("--motions") > 0) options->motions = given.motions;
+      if (command.count("--kept") > 0) options->kept = given.kept;
+      if (command.count("--reference-samples") > 0)
+        options->reference_samples = given.reference_samples;
+      if (command.count("--warm-up") > 0) options->warm_up = given.warm_up;
+      if (command.count("--frames") > 0) options->frames = given.frames;
+    }
+    return run_culling(*options);
   };
 }
 
@@ -496,6 +566,7 @@ constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
+    {"culling", "Kernel culling against its baselines, error and time", declare_culling},
     {"light-tree", "What a tree over moving lights costs, and walks down it", declare_light_tree},
     {"lightcuts", "Methods of kernel lightcuts at equal time and equal error", declare_lightcuts},
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},

@@ -442,6 +442,49 @@ TEST_F(Program, ReprojectionKeepsThePictureAtTheSamePoseAndGainsWithEveryStage) 
   EXPECT_EQ(bench(asked).out, run.out) << "rows that are known are not measured again";
 }
 
+TEST_F(Program, CullingKeepsLightWithFewerRaysThanAllLightsTakeAndGoesOnWhereItEnded) {
+  const std::vector<std::string> asked = {"culling",
+                                          "--scenes",
+                                          "cornell",
+                                          "--motions",
+                                          "both",
+                                          "--methods",
+                                          "all_vpls,flc_rays,power",
+                                          "--side",
+                                          "64",
+                                          "--kept",
+                                          "256",
+                                          "--warm-up",
+                                          "2",
+                                          "--frames",
+                                          "2",
+                                          "--reference-samples",
+                                          "2",
+                                          "--references",
+                                          path("references"),
+                                          "--json",
+                                          path("culling.json")};
+  const Finished run = bench(asked);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto rows = rows_of(run.out);
+  ASSERT_EQ(rows.size(), 3U) << run.out;
+  const auto value = [&](std::size_t row, const char* key) { return rows[row].at(key); };
+  EXPECT_EQ(rows[0].at("vpls"), rows[0].at("kept"));
+  for (std::size_t i = 1; i < 3; ++i) {
+    EXPECT_LE(value(i, "kept"), 256.0) << i;
+    EXPECT_NEAR(value(i, "brightness_error_pct"), 0.0, 5.0) << i;
+    EXPECT_LT(value(i, "from_vpls_in150"), 0.1) << i;
+    EXPECT_LT(value(i, "mrays"), 0.5 * 16.0 * value(0, "mrays")) << i;
+  }
+  EXPECT_EQ(bench(asked).out, run.out) << "rows that are known are not measured again";
+}
+
+TEST_F(Program, CullingNamesItsMethods) {
+  const Finished run = bench({"culling", "--methods", "none"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_TRUE(contains(run.err, "flc_rays, power, all_vpls")) << run.err;
+}
+
 TEST_F(Program, ReprojectionRefusesTracesThatAreTooShort) {
   std::ofstream(path("short.csv")) << "t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz\n"
                                       "0,0,1.6,0,0,0,0,1,,,\n1,0,1.6,0,0,0,0,1,,,\n";

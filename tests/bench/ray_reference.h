@@ -3,13 +3,10 @@
 // files named by a hash of everything they depend on: scene, pose, raster, samples.
 #pragma once
 
-#include <filesystem>
-
+#include "tests/bench/picture_cache.h"
 #include "tests/bench/ray_setting.h"
 
 namespace macula::bench {
-
-using image::Plane;
 
 struct HalfReferences {
   Plane<Rgb> first, second;  ///< linear radiance
@@ -25,8 +22,11 @@ class ReferenceBook {
  private:
   Plane<Rgb> half(const Pose& pose, std::uint64_t seed, scheduling::TileScheduler& scheduler) const;
 
+  Plane<Rgb> rendered(const Pose& pose, std::uint64_t seed,
+                      scheduling::TileScheduler& scheduler) const;
+
   const RaySetting& setting_;
-  std::filesystem::path folder_;
+  PictureCache cache_;
   int samples_;
   std::uint64_t scene_hash_;
 };

@@ -2,49 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "server/kernels/registry.h"
-#include "server/scene/animation.h"
 #include "shared/base/text.h"
+#include "tests/bench/lit_scene.h"
 
 namespace macula::bench {
 namespace {
-
-constexpr double kStandingEye_m = 1.6;
-
-Pose starting_pose(const scene::Scene& scene) {
-  if (!scene.cameras.empty())
-    return scene::pose_at(scene, scene::SceneTime{}).world_from_view.front();
-  return scene.settings.scene_from_stage *
-         Pose{DVec3{0.0, kStandingEye_m, 0.0}, DQuat{1.0, 0.0, 0.0, 0.0}};
-}
 
 /// Tangents of the DK2's left eye as its SDK gives them.
 Fov dk2_fov() {
   return {Radians{-std::atan(1.058)}, Radians{std::atan(1.092)}, Radians{std::atan(1.329)},
           Radians{-std::atan(1.329)}};
-}
-
-/// Three quarters of the way to what is above the eye, at most 4 m up.
-Vec3 lamp_place(const kernels::SceneFrame& scene, const Pose& eye) {
-  const Vec3 from(eye.position);
-  const auto above = scene.triangles().intersect(
-      visibility::Ray{from, Vec3{0.0F, 1.0F, 0.0F}, 0.0F, std::numeric_limits<float>::infinity()});
-  const float height = above ? std::min(0.75F * above->t, 4.0F) : 4.0F;
-  return from + Vec3{0.0F, height, 0.0F};
-}
-
-void switch_off(scene::Scene& scene) {
-  scene.lights.clear();
-  scene.environment.reset();
-  scene.settings.ambient = Rgb{0.0F};
-  for (scene::Material& material : scene.materials) {
-    material.emission = Rgb{0.0F};
-    material.emission_texture.reset();
-  }
 }
 
 /// A square of 1 m that shines downwards.
@@ -99,10 +70,7 @@ float exposure_of(const RaySetting& setting) {
   kernels::FrameBuffers out;
   scheduling::TileScheduler scheduler;
   (*kernel)->render({{&view, 1}, map, 0, 1}, *setting.scene, history, scheduler, out);
-  double sum = 0.0;
-  for (const Rgb& value : out.views.front().radiance.pixels()) sum += image::luminance(value);
-  const double mean = sum / (kSide * kSide);
-  return mean > 0.0 ? static_cast<float>(std::log2(0.18 / mean)) : 0.0F;
+  return exposure_for(out.views.front().radiance);
 }
 
 }  // namespace

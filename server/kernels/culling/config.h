@@ -17,6 +17,13 @@ enum class PointDraw { Systematic, PrintedChain };
 /// light.
 enum class CullWeights { Unbiased, None };
 
+/// What makes a light likely to be kept. Contribution: what it brings to the shading points, and
+/// its flux a little. Flux: that alone; nothing is asked of the picture.
+enum class KeptBy { Contribution, Flux };
+
+/// Whether light that a surface hides is left out (Tested), or let through, as the paper does.
+enum class Shadows { Tested, None };
+
 struct ImportanceConfig {
   foveation::RateModel acuity{foveation::RateCurve::Culling, Degrees{8.3}, Degrees{25.0}, 0.2};
   float silhouette = 0.6F;         ///< p_g: importance of a cell at an edge, [0, 1]
@@ -33,6 +40,7 @@ struct Config {
   bool indirect = true;
   int map_side = 64;  ///< side^2 rays a lamp make its virtual lights; >= 1
   int kept = 1024;    ///< K >= 1; no fewer lights than that: all are kept, nothing is chance
+  KeptBy kept_by = KeptBy::Contribution;
   CullWeights weights = CullWeights::Unbiased;
   int shading_points = 64;  ///< N_s >= 1, over all views
   PointDraw points = PointDraw::Systematic;
@@ -45,6 +53,9 @@ struct Config {
   int guide_step = 4;  ///< importance is told for every n x n-th cell; >= 1
   /// Cells ask a class of the kept lights each; a square number >= 1.
   int classes = 16;
+  /// Shadow rays of a cell, to so many lights of its class, drawn by what they would bring; 0: to
+  /// all.
+  int asked = 0;
   /// Mode Fast: distances to virtual lights count as at least this share of half the extent of them
   /// all; nearer they would leave bright blots.
   float nearest = 0.02F;

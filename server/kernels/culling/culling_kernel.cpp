@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/kernels/culling/keep_lights.h"
+#include "server/kernels/culling/stage_clock.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/full.h"
 #include "server/kernels/ray/ray_kernel.h"
@@ -10,9 +11,13 @@
 namespace macula::kernels::culling {
 namespace {
 
-ray::Config lit_by(const Config& config, const KeptLights& kept) {
+lights::VirtualLightTable table_of(const Config& config, const KeptLights& kept) {
+  return {kept.lights, config.classes, static_cast<float>(kept.least_m)};
+}
+
+ray::Config lit_by(const Config& config, const lights::VirtualLightTable& table) {
   ray::Config lit = config.ray;
-  lit.virtual_lights = {kept.lights, config.classes, static_cast<float>(kept.least_m)};
+  lit.virtual_lights = {&table, config.asked, nullptr};
   return lit;
 }
 
@@ -75,13 +80,18 @@ FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame&
   CullingHistory forgotten;
   CullingHistory& memory = exact ? forgotten : record_of<CullingHistory>(history);
   const KeptLights kept = keep_lights(request, scene, config_, memory, scheduler);
+  const lights::VirtualLightTable table = table_of(config_, kept);
   const unsigned wanted =
       std::exchange(out.wanted, exact ? out.wanted : out.wanted | kLight | kNormal);
   prepare_buffers(request.views, out);
   FrameReport report = kept.report;
+  memory.made = kept.made, memory.kept = kept.lights.size(), memory.stages = kept.stages;
+  StageClock clock;
   if (!report.stopped)
-    report += ray::render_full(request, scene, lit_by(config_, kept), scheduler, out);
+    report += ray::render_full(request, scene, lit_by(config_, table), scheduler, out);
+  memory.stages.shading_ms = clock.lap_ms();
   if (!report.stopped && !exact) calm_all(request, config_, memory, scheduler, out);
+  memory.stages.post_ms = clock.lap_ms();
   out.wanted = wanted;
   if (!report.stopped)
     report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
@@ -93,7 +103,8 @@ void CullingKernel::shade(std::span<const SurfacePoint> points, const SceneFrame
                           TileScheduler& scheduler, std::span<Rgb> out) const {
   KeptLights all;
   if (config_.indirect) all = all_lights(scene, config_, 0, scheduler);
-  ray::RayKernel(lit_by(config_, all)).shade(points, scene, scheduler, out);
+  const lights::VirtualLightTable table = table_of(config_, all);
+  ray::RayKernel(lit_by(config_, table)).shade(points, scene, scheduler, out);
 }
 
 }  // namespace macula::kernels::culling

@@ -8,6 +8,26 @@
 
 namespace macula::kernels::culling {
 
+/// Where a frame's time went, wall milliseconds of the calling thread.
+struct StageTimes {
+  double lights_ms = 0.0;  ///< making virtual lights
+  double importance_ms = 0.0, contribution_ms = 0.0, culling_ms = 0.0;
+  double shading_ms = 0.0;  ///< surfaces, direct light and that of the kept lights
+  double post_ms = 0.0;     ///< sharing and remembering
+
+  StageTimes& operator+=(const StageTimes& other) {
+    lights_ms += other.lights_ms, importance_ms += other.importance_ms;
+    contribution_ms += other.contribution_ms, culling_ms += other.culling_ms;
+    shading_ms += other.shading_ms, post_ms += other.post_ms;
+    return *this;
+  }
+  StageTimes& operator/=(double by) {
+    lights_ms /= by, importance_ms /= by, contribution_ms /= by;
+    culling_ms /= by, shading_ms /= by, post_ms /= by;
+    return *this;
+  }
+};
+
 /// What a frame found before it shaded anything.
 struct KeptLights {
   std::vector<lights::VirtualPointLight>
@@ -15,6 +35,7 @@ struct KeptLights {
   std::size_t made = 0;  ///< virtual lights before culling
   double least_m = 0.0;  ///< shortest distance that counts
   FrameReport report;
+  StageTimes stages;
 };
 
 class CullingKernel final : public Kernel {

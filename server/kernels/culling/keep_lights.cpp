@@ -7,6 +7,7 @@
 #include "server/kernels/culling/contribution.h"
 #include "server/kernels/culling/importance.h"
 #include "server/kernels/culling/shading_points.h"
+#include "server/kernels/culling/stage_clock.h"
 #include "server/kernels/culling/stochastic_culling.h"
 #include "server/kernels/ray/guide.h"
 #include "server/lights/morton.h"
@@ -142,6 +143,7 @@ void remember_visibility(std::vector<float>& known, std::vector<float>& visible)
 /// Every virtual light, as it was made.
 KeptLights made_lights(const SceneFrame& scene, const Config& config, std::uint64_t seed,
                        TileScheduler& scheduler) {
+  StageClock clock;
   vpl::VirtualLights made = vpl::make_virtual_lights(scene, lamps_of(config, seed), scheduler);
   KeptLights all;
   all.made = made.lights.size();
@@ -150,6 +152,7 @@ KeptLights made_lights(const SceneFrame& scene, const Config& config, std::uint6
   all.lights = std::move(made.lights);
   if (config.ray.mode == Mode::Fast)
     all.least_m = static_cast<double>(config.nearest) * half_extent(all.lights);
+  all.stages.lights_ms = clock.lap_ms();
   return all;
 }
 
@@ -159,10 +162,13 @@ std::vector<float> what_each_brings(const FrameRequest& request, const SceneFram
                                     TileScheduler& scheduler, KeptLights& all) {
   const bool exact = config.ray.mode == Mode::Exact;
   const CullingHistory nothing;
+  StageClock clock;
   const auto points =
       draw_points(request, scene, config, exact ? nothing : memory, scheduler, all.report);
+  all.stages.importance_ms = clock.lap_ms();
   Contributions found =
       contributions(scene, all.lights, points, config, all.least_m, request.frame, scheduler);
+  all.stages.contribution_ms = clock.lap_ms();
   all.report.shadow_rays += found.rays;
   all.report.stopped = all.report.stopped || found.stopped;
   if (!exact) remember_visibility(memory.visible, found.visible);
@@ -186,8 +192,12 @@ KeptLights keep_lights(const FrameRequest& request, const SceneFrame& scene, con
   KeptLights kept = made_lights(scene, config, seed, scheduler);
   if (kept.report.stopped) return kept;
   if (kept.made > static_cast<std::size_t>(config.kept)) {
-    const auto brought = what_each_brings(request, scene, config, memory, scheduler, kept);
+    const auto brought = config.kept_by == KeptBy::Flux
+                             ? std::vector<float>(kept.made)
+                             : what_each_brings(request, scene, config, memory, scheduler, kept);
+    StageClock clock;
     kept.lights = cull(kept.lights, brought, config, sampling::sample(key, 1));
+    kept.stages.culling_ms = clock.lap_ms();
   }
   kept.lights = in_morton_order(std::move(kept.lights));
   return kept;

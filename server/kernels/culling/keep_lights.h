@@ -13,6 +13,8 @@ namespace macula::kernels::culling {
 struct CullingHistory final : HistoryRecord {
   std::vector<ViewMemory> views;
   std::vector<float> visible;  ///< share of each light that points received, over the last frames
+  std::size_t made = 0, kept = 0;  ///< virtual lights of the last frame
+  StageTimes stages;               ///< of the last frame
 };
 
 /// Makes the virtual lights, tells the importance of every guide_step-th cell, draws shading

@@ -5,7 +5,7 @@
 
 #include "server/kernels/options.h"
 #include "server/kernels/ray/foveated_config.h"
-#include "server/lights/virtual_point_light.h"
+#include "server/lights/virtual_light_table.h"
 #include "server/shading/material_table.h"
 
 namespace macula::kernels::ray {
@@ -17,13 +17,20 @@ enum class Placement { Fixed, Jittered };
 /// the light tree (kernel `lightcuts`). None: surfaces only, for the planes; nothing is lit.
 enum class LightChoice { Every, ByCut, None };
 
-/// Virtual point lights of one frame (kernel `culling`); none: no indirect light.
+/// Virtual point lights of one frame (kernel `culling`); none: no indirect light. What is pointed
+/// to must outlive the frame.
 struct VirtualLightShare {
-  std::span<const lights::VirtualPointLight> lights;  ///< must outlive the frame
-  /// A square number >= 1: every point asks the lights of one class, index modulo classes, and counts
-  /// them so many times. Classes lie side by side in n x n cells and change from frame to frame.
-  int classes = 1;
-  float least_m = 0.0F;  ///< distances count as at least this, which takes light from corners; >= 0
+  /// Every point asks the lights of one class and counts them as often as there are classes, a
+  /// square number: classes lie side by side in n x n cells and change from frame to frame.
+  const lights::VirtualLightTable* lights = nullptr;
+  /// Shadow rays of a point: to so many lights of its class, drawn by what they would bring; 0: to
+  /// every one that brings anything. With a tree: most nodes of a cut where a cell has no number
+  /// of its own, >= 1.
+  int asked = 0;
+  /// Over the same lights, one class: points ask a light of every node of their cut; or none.
+  const lights::LightTree* tree = nullptr;
+
+  bool any() const { return lights != nullptr && !lights->empty(); }
 };
 
 struct Config {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "server/kernels/ray/virtual_draws.h"
 #include "server/lights/cut_sampler.h"
 #include "server/sampling/mappings.h"
 #include "server/sampling/sobol.h"
@@ -19,7 +20,6 @@ constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
 constexpr std::uint32_t kAmbientDimension = 0x8000'0001U;
 constexpr std::uint32_t kEnvironmentDimension = 0x8000'0002U;
 constexpr std::uint32_t kStrategyDimension = 0x8000'0003U;
-constexpr std::uint32_t kClassDimension = 0x8000'0004U;
 /// Of shadow rays that meet blended surfaces; one a term, with the number of the ray in the term.
 enum class Term : std::uint32_t { Punctual = 0x8000'0011U, Area, Ambient, Environment, Virtual };
 
@@ -59,8 +59,7 @@ class Pass {
   void add_ambient();
   void add_environment();
   void add_virtual();
-  void arrive_from_virtual(std::size_t round);
-  std::size_t light_class(std::size_t i) const;
+  void resolve_virtual(const VirtualDraws& draws, bool alike);
   void aim_at_environment(const sampling::Vec2Batch& strategy);
   void scramble(std::uint32_t dimension);
   void draw(int k, int count);
@@ -71,6 +70,8 @@ class Pass {
   void share_contribution(float share);
   void keep(Term term, std::size_t round);
   void resolve(Coherence coherence);
+  void ask(std::size_t round, std::size_t point, Coherence coherence);
+  void sum_up();
   void trace_stream(Coherence coherence);
 
   const SceneFrame& scene_;
@@ -78,6 +79,7 @@ class Pass {
   const LitPoints& points_;
   LightingWork& work_;
   const std::size_t n_;
+  const bool blends_ = scene_.triangles().blends();
 
   Vec3Batch sum_{};    ///< radiance of all terms so far
   Vec3Batch exact_{};  ///< of those that need no chance
@@ -102,7 +104,7 @@ void Pass::run() {
   if (!by_cut && !scene_.lights().emissive().empty()) add_area();
   if (config_.ambient_samples > 0 && scene_.plan().has(scene::Step::Ambient)) add_ambient();
   if (scene_.plan().has(scene::Step::Environment)) add_environment();
-  if (!config_.virtual_lights.lights.empty()) add_virtual();
+  if (config_.virtual_lights.any()) add_virtual();
 }
 
 void Pass::add_punctual(const scene::Light& light, std::size_t index) {
@@ -218,46 +220,31 @@ void Pass::aim_at_environment(const sampling::Vec2Batch& strategy) {
   }
 }
 
-/// Every point the lights of its class, one a round. Neighbours ask neighbours in the list: rays go
-/// to about the same places if it is in the order of places.
+/// Points of one class follow each other: they ask the same lights, so that their rays meet.
 void Pass::add_virtual() {
   const VirtualLightShare& share = config_.virtual_lights;
-  const auto classes = static_cast<std::size_t>(share.classes);
-  const std::size_t rounds = (share.lights.size() + classes - 1) / classes;
-  for (std::size_t k = 0; k < rounds; ++k) {
-    arrive_from_virtual(k);
+  const VirtualDraws draws(share, points_);
+  const bool alike = share.asked == 0;
+  lights::LightDraws drawn{};
+  for (std::size_t k = 0; k < draws.rounds(); ++k) {
+    draws.draw(k, drawn);
+    share.lights->arriving(drawn, points_.position, n_, light_);
     shading::reflect(points_.reflectors, light_.arrival.to_light, light_.arrival.irradiance, n_,
                      round().contribution);
     aim_at_lights();
     keep(Term::Virtual, k);
-    if (kept_ == kMostRounds) resolve(Coherence::Incoherent);
+    if (kept_ == kMostRounds) resolve_virtual(draws, alike);
   }
-  resolve(Coherence::Incoherent);
+  resolve_virtual(draws, alike);
 }
 
-void Pass::arrive_from_virtual(std::size_t round) {
-  const VirtualLightShare& share = config_.virtual_lights;
-  const auto classes = static_cast<std::size_t>(share.classes);
-  for (std::size_t i = 0; i < n_; ++i) {
-    light_.arrival.irradiance.set(i, Rgb{0.0F});
-    light_.position.set(i, points_.position[i]);
-    const std::size_t index = round * classes + light_class(i);
-    if (index >= share.lights.size()) continue;
-    const lights::VirtualPointLight& light = share.lights[index];
-    const auto arrival = lights::arriving(light, DVec3(points_.position[i]), share.least_m);
-    if (!arrival) continue;
-    light_.arrival.to_light.set(i, arrival->to_light);
-    light_.arrival.irradiance.set(i, static_cast<float>(classes) * arrival->irradiance);
-    light_.position.set(i, Vec3(light.position));
-    light_.normal.set(i, light.normal);
-    light_.span.at[i] = std::max(light.span_m, arrival->distance_m);
-  }
-}
-
-std::size_t Pass::light_class(std::size_t i) const {
-  const auto classes = static_cast<std::size_t>(config_.virtual_lights.classes);
-  if (!points_.light_class.empty()) return points_.light_class[i];
-  return sampling::sample_bits(points_.keys[i], kClassDimension, points_.sample) % classes;
+void Pass::resolve_virtual(const VirtualDraws& draws, bool alike) {
+  if (!alike) return resolve(Coherence::Incoherent);
+  rays_.clear();
+  for (std::size_t k = 0; k < kept_; ++k)
+    for (const std::uint16_t i : draws.by_class()) ask(k, i, Coherence::Coherent);
+  trace_stream(Coherence::Coherent);
+  sum_up();
 }
 
 void Pass::scramble(std::uint32_t dimension) {
@@ -313,7 +300,7 @@ void Pass::aim_at_lights() {
 void Pass::keep(Term term, std::size_t index) {
   Round& ray = round();
   ++kept_;
-  if (!scene_.triangles().blends()) return;
+  if (!blends_) return;
   const std::uint64_t number = (std::uint64_t{points_.sample} << 32) | index;
   for (std::size_t i = 0; i < n_; ++i) {
     ray.blend[i] = visibility::blend_by_chance(
@@ -322,25 +309,30 @@ void Pass::keep(Term term, std::size_t index) {
 }
 
 /// Traces the kept rays that have something to bring, point by point: those of one point, and of
-/// its neighbours, are the most alike. Sums what arrives, round by round.
+/// its neighbours, are the most alike.
 void Pass::resolve(Coherence coherence) {
-  const bool blends = scene_.triangles().blends();
   rays_.clear();
-  for (std::size_t i = 0; i < n_; ++i) {
-    const Vec3 origin = points_.ray_origin[i];
-    for (std::size_t k = 0; k < kept_; ++k) {
-      Round& ray = rounds_[k];
-      const Vec3Batch& c = ray.contribution;
-      ray.arrives[i] = false;
-      const bool brings = !(c.x[i] == 0.0F) | !(c.y[i] == 0.0F) | !(c.z[i] == 0.0F);
-      if (!brings) continue;
-      if (rays_.full()) trace_stream(coherence);
-      const int place = rays_.push(origin, ray.direction[i], 0.0F, ray.tfar.at[i]);
-      if (blends) rays_.blend[place] = ray.blend[i];
-      arrives_[place] = &ray.arrives[i];
-    }
-  }
+  for (std::size_t i = 0; i < n_; ++i)
+    for (std::size_t k = 0; k < kept_; ++k) ask(k, i, coherence);
   trace_stream(coherence);
+  sum_up();
+}
+
+void Pass::ask(std::size_t round, std::size_t point, Coherence coherence) {
+  Round& ray = rounds_[round];
+  const Vec3Batch& c = ray.contribution;
+  ray.arrives[point] = false;
+  const bool brings = !(c.x[point] == 0.0F) | !(c.y[point] == 0.0F) | !(c.z[point] == 0.0F);
+  if (!brings) return;
+  if (rays_.full()) trace_stream(coherence);
+  const int place =
+      rays_.push(points_.ray_origin[point], ray.direction[point], 0.0F, ray.tfar.at[point]);
+  if (blends_) rays_.blend[place] = ray.blend[point];
+  arrives_[place] = &ray.arrives[point];
+}
+
+/// Adds what arrives, round by round, and keeps none.
+void Pass::sum_up() {
   for (std::size_t k = 0; k < kept_; ++k) {
     const Round& ray = rounds_[k];
     const Vec3Batch& c = ray.contribution;

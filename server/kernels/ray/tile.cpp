@@ -154,14 +154,14 @@ class TileRun {
     if (context_.cut_nodes != nullptr) {
       points_.cut_nodes.push_back((*context_.cut_nodes)(cells_[i].x, cells_[i].y));
     }
-    if (!context_.config.virtual_lights.lights.empty()) {
+    if (context_.config.virtual_lights.any()) {
       points_.light_class.push_back(light_class(cells_[i]));
     }
   }
 
   /// Classes side by side; from frame to frame and sample to sample all alike by chance.
   std::uint16_t light_class(const Cell& cell) const {
-    const int classes = context_.config.virtual_lights.classes;
+    const int classes = context_.config.virtual_lights.lights->classes();
     const int side = static_cast<int>(std::lround(std::sqrt(classes)));
     const sampling::SampleKey frame(context_.seed, context_.frame, kClassesKey);
     const std::uint32_t turn = sampling::sample_bits(frame, 0, points_.sample);

@@ -1,0 +1,32 @@
+// `macula-bench culling`: kernel culling against its baselines on scenes under one lamp, at equal
+// numbers of lights and at equal time (Table 2, figures 6, 8 and 9 of the 2021 paper).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "shared/base/result.h"
+
+namespace macula::bench {
+
+struct CullingOptions {
+  std::vector<std::string> scenes{"nave", "atrium", "city"};
+  std::vector<std::string> motions{"static", "light", "object", "both"};
+  std::vector<std::string> methods;  ///< empty: all of culling_methods()
+  std::vector<int> kept{256, 512, 1024, 2048, 4096};
+  int side_px = 1024;
+  int reference_samples = 16;  ///< paths a pixel, of each half-reference
+  int warm_up = 8;             ///< frames that are not measured
+  int frames = 4;              ///< frames that are timed; the last is judged
+  int threads = 0;             ///< 0: all the machine has
+  std::string references;      ///< folder; empty: ~/.cache/macula-bench
+  std::string pictures;        ///< folder for the judged pictures; empty: none
+  std::string json;            ///< rows that it holds already are not measured again; empty: none
+};
+
+/// 512 x 512, nothing moves or everything does, three numbers of lights, fewer frames and paths.
+void make_quick(CullingOptions& options);
+
+Result<void> run_culling(const CullingOptions& options);
+
+}  // namespace macula::bench
