@@ -6,7 +6,15 @@ namespace macula::client_app {
 namespace {
 
 const char* name(DisplayKind kind) {
-  return kind == DisplayKind::Window ? "window" : "headless";
+  switch (kind) {
+    case DisplayKind::Headless:
+      return "headless";
+    case DisplayKind::Window:
+      return "window";
+    case DisplayKind::OpenXr:
+      return "openxr";
+  }
+  return "?";
 }
 
 const char* name(ClientConfig::Warp warp) {
@@ -26,7 +34,15 @@ const char* name(ClientConfig::Warp warp) {
 
 std::string pose_source_name(const ClientConfig& config) {
   if (!config.trace_file.empty()) return config.trace_file;
-  return config.display == DisplayKind::Window ? "(mouse and keys)" : "(demo trace)";
+  switch (config.display) {
+    case DisplayKind::Headless:
+      return "(demo trace)";
+    case DisplayKind::Window:
+      return "(mouse and keys)";
+    case DisplayKind::OpenXr:
+      return "(headset)";
+  }
+  return "?";
 }
 
 std::string or_server_default(const std::string& wish) {
@@ -50,16 +66,18 @@ reprojection::WarpOptions warp_options(ClientConfig::Warp warp) {
   return {};
 }
 
-foveation::Display eye_display(const ClientConfig& config) {
+EyeRig eye_rig(const ClientConfig& config) {
   const double aspect = static_cast<double>(config.width_px) / config.height_px;
-  return {math::symmetric_fov(config.vertical_fov, aspect), config.width_px, config.height_px};
+  return EyeRig::side_by_side(
+      {math::symmetric_fov(config.vertical_fov, aspect), config.width_px, config.height_px},
+      config.eyes, config.ipd, config.convergence);
 }
 
-net::Hello make_hello(const ClientConfig& config) {
+net::Hello make_hello(const ClientConfig& config, const EyeRig& rig, double refresh_hz) {
   net::Hello hello;
   hello.program = "macula-client";
-  hello.eyes.assign(static_cast<std::size_t>(config.eyes), eye_display(config));
-  hello.refresh_hz = config.refresh_hz;
+  for (const EyeRig::Eye& eye : rig.eyes) hello.eyes.push_back(eye.display);
+  hello.refresh_hz = refresh_hz;
   hello.codecs = {"jpeg", "lossless"};
   hello.settings = config.settings;
   return hello;
@@ -67,14 +85,19 @@ net::Hello make_hello(const ClientConfig& config) {
 
 std::vector<std::pair<std::string, std::string>> describe(const ClientConfig& config) {
   const auto& wish = config.settings;
+  const bool headset = config.display == DisplayKind::OpenXr;
+  const auto unless_headset = [&](std::string value) {
+    return headset ? "(headset's)" : std::move(value);
+  };
   return {
       {"connect", config.connect},
       {"display", name(config.display)},
-      {"size_px", base::concat(config.width_px, "x", config.height_px)},
-      {"fov_deg", base::concat(config.vertical_fov.value())},
-      {"eyes", base::concat(config.eyes)},
-      {"ipd_mm", base::concat(1e3 * config.ipd.value())},
-      {"refresh_hz", base::concat(config.refresh_hz)},
+      {"size_px",
+       config.width_px > 0 ? base::concat(config.width_px, "x", config.height_px) : "(headset's)"},
+      {"fov_deg", unless_headset(base::concat(config.vertical_fov.value()))},
+      {"eyes", unless_headset(base::concat(config.eyes))},
+      {"ipd_mm", unless_headset(base::concat(1e3 * config.ipd.value()))},
+      {"refresh_hz", unless_headset(base::concat(config.refresh_hz))},
       {"pacing", config.pacing == Pacing::RealTime ? "real time" : "as fast as possible"},
       {"trace", pose_source_name(config)},
       {"repeat", config.repeat_trace == ClientConfig::Repeat::Yes ? "yes" : "no"},

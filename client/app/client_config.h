@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/app/eye_rig.h"
 #include "client/reprojection/warp.h"
 #include "shared/net/messages.h"
 #include "shared/units/angle.h"
@@ -14,7 +15,7 @@
 
 namespace macula::client_app {
 
-enum class DisplayKind { Headless, Window };
+enum class DisplayKind { Headless, Window, OpenXr };
 
 /// RealTime: refreshes come at the display's rate; one that is late is missed. AsFastAsPossible:
 /// every refresh waits until a server frame newer than the last shown one is decoded (at most
@@ -38,33 +39,37 @@ struct ClientConfig {
   Nanoseconds silence_patience{units::from_s(10.0)};
 
   DisplayKind display = DisplayKind::Window;
-  int width_px = 640, height_px = 640;  ///< one eye
+  int width_px = 640, height_px = 640;  ///< one eye; 0: what the headset recommends
+  // A headset knows these four itself.
   Degrees vertical_fov{80.0};
   int eyes = 2;  ///< 1 or 2
   Meters ipd{0.063};
-  Meters convergence{1.0};  ///< the eyes' gazes meet this far along the head's gaze
   double refresh_hz = 72.0;
+
+  Meters convergence{1.0};  ///< the eyes' gazes meet this far along the head's gaze
   Pacing pacing = Pacing::RealTime;
   /// How the newest frame is brought to the display. Grid: the mesh of slow machines, in blocks to
   /// half a pixel and with the cheaper filter.
   enum class Warp { Mesh, Grid, Rotation, Stale };
   Warp warp = Warp::Mesh;
 
-  std::string trace_file;  ///< empty: the demo trace (headless) or mouse and keys (window)
+  /// Empty: the demo trace (headless), mouse and keys (window), the headset's own.
+  std::string trace_file;
   enum class Repeat { No, Yes };
   Repeat repeat_trace = Repeat::No;
   std::uint64_t frames = 0;  ///< shown frames after which to stop; 0: when the poses end
 
-  net::Settings settings;  ///< wishes to the server
-  std::string out_folder;  ///< pictures and report.json; empty: none are written
-  int picture_every = 12;  ///< of the shown frames
+  net::Settings settings;   ///< wishes to the server
+  std::string record_file;  ///< head and gaze as a trace; empty: none is written
+  std::string out_folder;   ///< pictures and report.json; empty: none are written
+  int picture_every = 12;   ///< of the shown frames
   StageDelays delays;
 };
 
 reprojection::WarpOptions warp_options(ClientConfig::Warp warp);
-/// Each eye's display: the same size and a symmetric frustum.
-foveation::Display eye_display(const ClientConfig& config);
-net::Hello make_hello(const ClientConfig& config);
+/// The eyes where no headset says: of one size, each with a symmetric frustum.
+EyeRig eye_rig(const ClientConfig& config);
+net::Hello make_hello(const ClientConfig& config, const EyeRig& rig, double refresh_hz);
 /// Option and value of everything in force, as printed at start and stored in the report.
 std::vector<std::pair<std::string, std::string>> describe(const ClientConfig& config);
 

@@ -18,27 +18,29 @@ void sleep_for(Nanoseconds delay) {
 DisplayLoop::DisplayLoop(const ClientConfig& config, const LoopParts& parts)
     : config_(config),
       parts_(parts),
-      rig_{eye_display(config), config.eyes, config.ipd, config.convergence},
-      refreshes_(parts.clock, config.refresh_hz, config.pacing),
-      warps_(rig_, warp_options(config.warp)),
+      warps_(warp_options(config.warp), config.display == DisplayKind::OpenXr
+                                            ? WarpStage::Depth::Keep
+                                            : WarpStage::Depth::Leave),
       last_news_(now()) {}
 
 display::RunEnd DisplayLoop::run() {
   while (true) {
     report_events();
-    if (!parts_.screen.poll()) return display::RunEnd::WindowClosed;
+    if (const auto reason = parts_.screen.poll()) return *reason;
     if (const auto reason = end_reason()) return *reason;
-    const Refresh refresh = refreshes_.next();
-    const auto predicted = predict(refresh);
+    const auto refresh = parts_.screen.next_refresh();
+    if (!refresh) continue;
+    const auto predicted = predict(*refresh);
     if (!predicted) return display::RunEnd::PosesEnded;
-    publish(predicted->head);
-    const frames::FramePtr frame = fetch(predicted->head);
+    const Nanoseconds until_display = refresh->display - refresh->begin;
+    publish(predicted->head, until_display);
+    const frames::FramePtr frame = fetch(predicted->head, until_display);
     if (!frame) {
       parts_.log.note_no_picture();
-      refreshes_.wait_for_display(refresh);
+      parts_.screen.skip(*refresh);
       continue;
     }
-    submit(refresh, predicted->head.gaze, reproject(frame, predicted->stage_from_head));
+    submit(*refresh, predicted->head.gaze, reproject(frame, predicted->stage_from_head));
     sleep_for(config_.delays.idle);
   }
 }
@@ -47,7 +49,7 @@ std::optional<display::RunEnd> DisplayLoop::end_reason() const {
   using display::RunEnd;
   if (parts_.stop) return RunEnd::Interrupted;
   if (config_.frames > 0 && parts_.log.shown_frames() >= config_.frames) return RunEnd::FramesShown;
-  const bool patient = config_.display == DisplayKind::Window;
+  const bool patient = config_.display != DisplayKind::Headless;
   if (!patient && now() - last_news_ > config_.silence_patience) return RunEnd::ServerSilent;
   return std::nullopt;
 }
@@ -57,8 +59,11 @@ std::optional<DisplayLoop::Predicted> DisplayLoop::predict(const Refresh& refres
   if (!head) return std::nullopt;
   predictor_.add(*head);
   parts_.log.note_pose(*head);
+  if (parts_.recorder != nullptr) parts_.recorder->add(*head);
   const Nanoseconds horizon = refresh.display - refresh.begin;
-  const Pose at_display = predictor_.predict(refresh.pose_time + horizon);
+  const ClientTime display = refresh.pose_time + horizon;
+  const auto forecast = parts_.poses.forecast(display);
+  const Pose at_display = forecast ? *forecast : predictor_.predict(display);
   // From here on times are the real clock's: pose time is another line when not in real time.
   const Nanoseconds real_from_pose = refresh.begin - refresh.pose_time;
   head->at += real_from_pose;
@@ -66,25 +71,26 @@ std::optional<DisplayLoop::Predicted> DisplayLoop::predict(const Refresh& refres
   return Predicted{*head, at_display};
 }
 
-void DisplayLoop::publish(const pose::HeadSample& head) {
-  net::ViewState view = rig_.view_state(head.stage_from_head, head.gaze);
+void DisplayLoop::publish(const pose::HeadSample& head, Nanoseconds until_display) {
+  net::ViewState view = parts_.screen.rig().view_state(head.stage_from_head, head.gaze);
   view.sequence = ++sequence_;
   view.sampled = head.at;
   view.gaze_sampled = head.gaze_at;
-  view.predicted_display = head.at + refreshes_.period();
+  view.predicted_display = head.at + until_display;
   parts_.endpoint.publish(std::move(view));
 }
 
-frames::FramePtr DisplayLoop::fetch(const pose::HeadSample& head) {
-  frames::FramePtr frame =
-      config_.pacing == Pacing::RealTime ? parts_.store.newest() : wait_for_news(head);
+frames::FramePtr DisplayLoop::fetch(const pose::HeadSample& head, Nanoseconds until_display) {
+  frames::FramePtr frame = config_.pacing == Pacing::RealTime ? parts_.store.newest()
+                                                              : wait_for_news(head, until_display);
   if (frame && frame != last_frame_) last_news_ = now();
   return frame;
 }
 
 /// The server renders a view once, so the same head is published again, newly stamped, while
 /// waiting: a lost frame must not end the exchange.
-frames::FramePtr DisplayLoop::wait_for_news(const pose::HeadSample& head) {
+frames::FramePtr DisplayLoop::wait_for_news(const pose::HeadSample& head,
+                                            Nanoseconds until_display) {
   constexpr Nanoseconds kRepeat = std::chrono::milliseconds{250};  // a server stops at 500
   const auto seen = last_frame_ ? std::optional(last_frame_->id()) : std::nullopt;
   const ClientTime give_up = now() + config_.frame_patience;
@@ -95,7 +101,7 @@ frames::FramePtr DisplayLoop::wait_for_news(const pose::HeadSample& head) {
     const Nanoseconds waited = now() - again.at;
     again.at += waited;
     again.gaze_at += waited;
-    publish(again);
+    publish(again, until_display);
   }
 }
 
@@ -103,20 +109,19 @@ Showing DisplayLoop::reproject(const frames::FramePtr& frame, const Pose& stage_
   Showing showing;
   showing.frame = frame;
   showing.reproject_begin = now();
-  showing.warps = warps_.warp(*frame, stage_from_head);
+  showing.warps = warps_.warp(*frame, stage_from_head, parts_.screen.rig());
   sleep_for(config_.delays.reproject);
   showing.reproject_end = now();
   return showing;
 }
 
 void DisplayLoop::submit(const Refresh& refresh, const Gaze& gaze, Showing showing) {
-  refreshes_.wait_for_display(refresh);
-  sleep_for(config_.delays.present);
   const std::uint64_t count = parts_.log.shown_frames();
-  parts_.screen.show(warps_.pictures(), gaze);
-  showing.shown = now();
+  const ClientTime lit = parts_.screen.show(refresh, warps_.eyes(), gaze);
+  sleep_for(config_.delays.present);
+  showing.shown = lit + config_.delays.present;
   parts_.log.note_shown(showing, parts_.endpoint.clock());
-  if (parts_.pictures != nullptr) parts_.pictures->show(count, warps_.pictures());
+  if (parts_.pictures != nullptr) parts_.pictures->show(count, pictures());
   last_frame_ = std::move(showing.frame);
 }
 

@@ -7,14 +7,13 @@
 #include <atomic>
 
 #include "client/app/client_config.h"
-#include "client/app/eye_rig.h"
-#include "client/app/refresh_clock.h"
 #include "client/app/run_log.h"
 #include "client/app/screen.h"
 #include "client/app/warp_stage.h"
 #include "client/display/headless/picture_writer.h"
 #include "client/frames/frame_store.h"
 #include "client/pose/predictor.h"
+#include "client/pose/trace_recorder.h"
 
 namespace macula::client_app {
 
@@ -27,6 +26,7 @@ struct LoopParts {
   RunLog& log;
   Screen& screen;
   display::PictureWriter* pictures = nullptr;  ///< null: none are kept
+  pose::TraceRecorder* recorder = nullptr;     ///< null: nothing is recorded
   const std::atomic<bool>& stop;
 };
 
@@ -35,10 +35,9 @@ class DisplayLoop {
   DisplayLoop(const ClientConfig& config, const LoopParts& parts);
 
   display::RunEnd run();
-  std::uint64_t missed_refreshes() const { return refreshes_.missed(); }
   /// The last frame shown, null before the first, and the pictures made of it.
   frames::FramePtr last_frame() const { return last_frame_; }
-  const display::EyePictures& pictures() const { return warps_.pictures(); }
+  const display::EyePictures& pictures() const { return warps_.eyes().colors; }
 
  private:
   struct Predicted {
@@ -48,9 +47,10 @@ class DisplayLoop {
   /// The reason to end, when there is one.
   std::optional<display::RunEnd> end_reason() const;
   std::optional<Predicted> predict(const Refresh& refresh);
-  void publish(const pose::HeadSample& head);
-  frames::FramePtr fetch(const pose::HeadSample& head);
-  frames::FramePtr wait_for_news(const pose::HeadSample& head);
+  /// `until_display`: from the head's sample to the light of its refresh.
+  void publish(const pose::HeadSample& head, Nanoseconds until_display);
+  frames::FramePtr fetch(const pose::HeadSample& head, Nanoseconds until_display);
+  frames::FramePtr wait_for_news(const pose::HeadSample& head, Nanoseconds until_display);
   Showing reproject(const frames::FramePtr& frame, const Pose& stage_from_head);
   void submit(const Refresh& refresh, const Gaze& gaze, Showing showing);
   void report_events();
@@ -58,8 +58,6 @@ class DisplayLoop {
 
   const ClientConfig config_;
   const LoopParts parts_;
-  const EyeRig rig_;
-  RefreshClock refreshes_;
   pose::Predictor predictor_;
   WarpStage warps_;
   frames::FramePtr last_frame_;

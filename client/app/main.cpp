@@ -46,6 +46,10 @@ int run(const client_app::Options& options) {
   if (!options.config.out_folder.empty()) {
     std::cout << "pictures and report.json are in " << options.config.out_folder << "\n";
   }
+  if (report->ended == display::RunEnd::HeadsetLost)
+    return fail({"the OpenXR runtime went away", "headset",
+                 "start it again; the report covers the time until then",
+                 base::ErrorKind::Runtime});
   if (report->ended != display::RunEnd::ServerSilent) return 0;
   return fail({"the server sent no frame for too long", options.config.connect,
                "is it still running, and not too busy? the report covers the time until then",

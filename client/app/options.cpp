@@ -13,7 +13,7 @@ namespace {
 
 /// The options as typed; ClientConfig holds them in units.
 struct Typed {
-  std::string connect = "tcp://127.0.0.1:7788", keys, display, trace, size = "640x640", out, codec,
+  std::string connect = "tcp://127.0.0.1:7788", keys, display, trace, record, size, out, codec,
               rate_model, reprojection = "mesh";
   std::uint64_t frames = 0;
   double refresh_hz = 72.0, fov_deg = 80.0, ipd_mm = 63.0, oversampling = 0.0, connect_s = 10.0;
@@ -57,6 +57,8 @@ void add_viewer_options(CLI::App& app, Typed& typed) {
                  "Head and gaze: t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz. Without one: mouse and keys in "
                  "a window, else a demo trace")
       ->option_text("FILE.csv");
+  app.add_option("--record", typed.record, "Write head and gaze as a trace for --trace")
+      ->option_text("FILE.csv");
   app.add_flag("--loop", typed.loop, "Start the trace again when it ends");
   app.add_option("--frames", typed.frames, "Stop after N shown frames")
       ->option_text("N (when the trace ends)");
@@ -67,9 +69,10 @@ void add_viewer_options(CLI::App& app, Typed& typed) {
 
 void add_display_options(CLI::App& app, Typed& typed) {
   app.add_option("--display", typed.display)
-      ->option_text("window|headless (window where there is one)")
-      ->check(CLI::IsMember({"window", "headless"}));
-  app.add_option("--size", typed.size, "Pixels of one eye")->option_text("WxH (640x640)");
+      ->option_text("window|openxr|headless (window where there is one)")
+      ->check(CLI::IsMember({"window", "openxr", "headless"}));
+  app.add_option("--size", typed.size, "Pixels of one eye")
+      ->option_text("WxH (640x640; openxr: what the headset recommends)");
   app.add_option("--fov-deg", typed.fov_deg, "Vertical field of view of one eye, 5 to 150")
       ->option_text("DEGREES (80)")
       ->check(within(5.0, 150.0));
@@ -109,8 +112,32 @@ Result<std::pair<int, int>> parse_size(const std::string& text) {
   return std::pair{width, height};
 }
 
+/// A headset knows its own size; other displays keep the default.
+Result<void> choose_size(const std::string& text, ClientConfig& config) {
+  if (text.empty()) {
+    if (config.display == DisplayKind::OpenXr) config.width_px = config.height_px = 0;
+    return {};
+  }
+  const auto size = parse_size(text);
+  if (!size) return base::forward(size);
+  std::tie(config.width_px, config.height_px) = *size;
+  return {};
+}
+
+/// What a headset decides must not be asked for.
+Result<void> check_headset_options(const CLI::App& app) {
+  for (const char* option :
+       {"--trace", "--as-fast-as-possible", "--fov-deg", "--eyes", "--ipd-mm", "--refresh"}) {
+    if (app.count(option) > 0)
+      return base::bad_input("the headset itself decides this", option,
+                             "leave it out with --display openxr");
+  }
+  return {};
+}
+
 DisplayKind display_kind(const Typed& typed, const Environment& environment) {
   if (typed.display == "window") return DisplayKind::Window;
+  if (typed.display == "openxr") return DisplayKind::OpenXr;
   if (typed.display == "headless") return DisplayKind::Headless;
   const auto is_set = [](const char* value) { return value != nullptr && *value != '\0'; };
   return is_set(environment.display) || is_set(environment.wayland_display) ? DisplayKind::Window
@@ -129,9 +156,8 @@ ClientConfig::Warp warp_of(const std::string& name) {
 Result<Options> make_options(const Typed& typed, const Environment& environment) {
   Options options;
   ClientConfig& config = options.config;
-  const auto size = parse_size(typed.size);
-  if (!size) return base::forward(size);
-  std::tie(config.width_px, config.height_px) = *size;
+  config.display = display_kind(typed, environment);
+  if (auto done = choose_size(typed.size, config); !done) return base::forward(done);
   if (!typed.rate_model.empty()) {
     if (const auto model = foveation::find_rate_model(typed.rate_model); !model) {
       Error error = model.error();
@@ -144,7 +170,6 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   config.key_folder = typed.keys.empty()
                           ? net::default_key_folder(environment.xdg_config_home, environment.home)
                           : typed.keys;
-  config.display = display_kind(typed, environment);
   config.vertical_fov = Degrees{typed.fov_deg};
   config.eyes = typed.eyes;
   config.ipd = Meters{1e-3 * typed.ipd_mm};
@@ -152,6 +177,7 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   config.pacing = typed.fast ? Pacing::AsFastAsPossible : Pacing::RealTime;
   config.warp = warp_of(typed.reprojection);
   config.trace_file = typed.trace;
+  config.record_file = typed.record;
   config.repeat_trace = typed.loop ? ClientConfig::Repeat::Yes : ClientConfig::Repeat::No;
   config.frames = typed.frames;
   config.settings.color_codec = typed.codec;
@@ -171,7 +197,8 @@ Result<std::variant<Options, TextAsked>> parse_options(int argc, const char* con
   Typed typed;
   CLI::App app(
       "macula-client: shows what macula-server renders, warped to where the head is now.\n"
-      "In a window the cursor is your gaze, dragging turns your head and W A S D move it.",
+      "In a window the cursor is your gaze, dragging turns your head and W A S D move it.\n"
+      "--display openxr shows it in the headset of the running OpenXR runtime.",
       "macula-client");
   app.set_version_flag("--version", "macula-client 0.1.0");
   add_server_options(app, typed);
@@ -188,6 +215,9 @@ Result<std::variant<Options, TextAsked>> parse_options(int argc, const char* con
   }
   auto options = make_options(typed, environment);
   if (!options) return base::forward(options);
+  if (options->config.display == DisplayKind::OpenXr) {
+    if (auto done = check_headset_options(app); !done) return base::forward(done);
+  }
   return std::move(*options);
 }
 

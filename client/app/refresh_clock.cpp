@@ -19,7 +19,8 @@ void RefreshClock::sleep_until(ClientTime at) const {
 Refresh RefreshClock::next() {
   if (pacing_ == Pacing::AsFastAsPossible) {
     const std::uint64_t index = next_++;
-    return {index, now(), now() + period_, boundary(index)};
+    const ClientTime begin = now();
+    return {index, begin, begin + period_, boundary(index)};
   }
   // The refresh whose period is running is still worth beginning; those before it are over.
   const auto running =

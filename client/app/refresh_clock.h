@@ -26,7 +26,6 @@ class RefreshClock {
   Refresh next();
   /// Until the refresh's picture lights up: its display time, or the first later boundary.
   void wait_for_display(const Refresh& refresh) const;
-  Nanoseconds period() const { return period_; }
   std::uint64_t missed() const { return missed_; }
 
  private:

@@ -1,5 +1,6 @@
 #include "client/app/run_client.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -18,6 +19,7 @@ namespace {
 struct Prepared {
   std::unique_ptr<Screen> screen;
   std::unique_ptr<pose::PoseSource> poses;
+  std::unique_ptr<pose::TraceRecorder> recorder;     // null: nothing is recorded
   std::unique_ptr<display::PictureWriter> pictures;  // null: none are kept
 };
 
@@ -30,14 +32,19 @@ Result<std::unique_ptr<pose::PoseSource>> make_poses(const ClientConfig& config,
                                              repeat ? pose::AtEnd::Loop : pose::AtEnd::Stop);
 }
 
-Result<Prepared> prepare(const ClientConfig& config) {
+Result<Prepared> prepare(const ClientConfig& config, const base::Clock& clock) {
   Prepared prepared;
-  auto screen = make_screen(config);
+  auto screen = make_screen(config, clock);
   if (!screen) return base::forward(screen);
   prepared.screen = std::move(*screen);
   auto poses = make_poses(config, *prepared.screen);
   if (!poses) return base::forward(poses);
   prepared.poses = std::move(*poses);
+  if (!config.record_file.empty()) {
+    auto recorder = pose::TraceRecorder::create(config.record_file);
+    if (!recorder) return base::forward(recorder);
+    prepared.recorder = std::move(*recorder);
+  }
   if (config.out_folder.empty()) return prepared;
   display::PictureOptions options;
   options.folder = config.out_folder;
@@ -48,21 +55,21 @@ Result<Prepared> prepare(const ClientConfig& config) {
   return prepared;
 }
 
-display::EyePictures rate_maps(const frames::FramePtr& frame, const foveation::Display& display) {
+display::EyePictures rate_maps(const frames::FramePtr& frame, const EyeRig& rig) {
   display::EyePictures maps;
   if (!frame) return maps;
-  for (const net::FrameView& view : frame->begin.views) {
-    maps.push_back(display::draw_rate_map(view.grid, display, view.gaze));
-  }
+  const auto& views = frame->begin.views;
+  for (std::size_t eye = 0; eye < std::min(views.size(), rig.eyes.size()); ++eye)
+    maps.push_back(display::draw_rate_map(views[eye].grid, rig.eyes[eye].display, views[eye].gaze));
   return maps;
 }
 
 /// Last pictures, the map and report.json.
-Result<void> write_results(const ClientConfig& config, const DisplayLoop& loop,
+Result<void> write_results(const ClientConfig& config, const DisplayLoop& loop, const EyeRig& rig,
                            display::PictureWriter& pictures, display::ClientReport& report) {
   const bool shown = loop.last_frame() != nullptr;
   const auto done = pictures.finish(shown ? loop.pictures() : display::EyePictures{},
-                                    rate_maps(loop.last_frame(), eye_display(config)));
+                                    rate_maps(loop.last_frame(), rig));
   report.pictures_written = pictures.written();
   report.pictures_skipped = pictures.skipped();
   const auto path = std::filesystem::path(config.out_folder) / "report.json";
@@ -81,21 +88,25 @@ Result<display::ClientReport> run_prepared(const ClientConfig& config, Prepared&
   FrameReceiver receiver(endpoint, clock, store, log.book(), {config.delays.decode});
   const Nanoseconds begin = clock.now();
   DisplayLoop loop(config, {endpoint, clock, *prepared.poses, store, log, *prepared.screen,
-                            prepared.pictures.get(), stop});
+                            prepared.pictures.get(), prepared.recorder.get(), stop});
   const display::RunEnd ended = loop.run();
   endpoint.send(net::Bye{name(ended), 0});
 
   display::ClientReport report = log.report();
   report.ended = ended;
   report.duration_s = units::to_s(clock.now() - begin);
-  report.refreshes_missed = loop.missed_refreshes();
+  report.refreshes_missed = prepared.screen->missed_refreshes();
   report.frames_undecodable = receiver.undecodable();
   report.clock = endpoint.clock();
   report.network = endpoint.counters();
   report.welcome = std::move(*welcome);
   report.config = describe(config);
+  if (prepared.recorder) {
+    if (const auto written = prepared.recorder->finish(); !written) return base::forward(written);
+  }
   if (prepared.pictures) {
-    const auto written = write_results(config, loop, *prepared.pictures, report);
+    const auto written =
+        write_results(config, loop, prepared.screen->rig(), *prepared.pictures, report);
     if (!written) return base::forward(written);
   }
   return report;
@@ -105,19 +116,19 @@ Result<display::ClientReport> run_prepared(const ClientConfig& config, Prepared&
 
 Result<display::ClientReport> run_client(const ClientConfig& config, net::ClientEndpoint& endpoint,
                                          const base::Clock& clock, const std::atomic<bool>& stop) {
-  auto prepared = prepare(config);
+  auto prepared = prepare(config, clock);
   if (!prepared) return base::forward(prepared);
   return run_prepared(config, *prepared, endpoint, clock, stop);
 }
 
 Result<display::ClientReport> run_client(const ClientConfig& config, const base::Clock& clock,
                                          const std::atomic<bool>& stop) {
-  auto prepared = prepare(config);
+  auto prepared = prepare(config, clock);
   if (!prepared) return base::forward(prepared);
   net::ClientEndpointOptions options;
   options.connect = config.connect;
   options.key_folder = config.key_folder;
-  options.hello = make_hello(config);
+  options.hello = make_hello(config, prepared->screen->rig(), prepared->screen->refresh_hz());
   auto endpoint = net::ClientEndpoint::create(options, clock);
   if (!endpoint) return base::forward(endpoint);
   return run_prepared(config, *prepared, **endpoint, clock, stop);

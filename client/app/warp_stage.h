@@ -11,19 +11,29 @@
 
 namespace macula::client_app {
 
+/// What the eyes see, left first.
+struct WarpedEyes {
+  display::EyePictures colors;
+  std::vector<image::Plane<float>> inverse_depths_per_m;  ///< empty planes unless asked for
+};
+
 class WarpStage {
  public:
-  WarpStage(const EyeRig& rig, const reprojection::WarpOptions& options);
+  enum class Depth { Leave, Keep };
+  WarpStage(const reprojection::WarpOptions& options, Depth depth)
+      : options_(options), depth_(depth) {}
 
-  /// Reports by eye. Eyes the frame does not have stay black.
+  /// Reports by eye. Eyes the frame does not have stay as they are.
   std::vector<reprojection::WarpReport> warp(const frames::DecodedFrame& frame,
-                                             const Pose& stage_from_head);
-  const display::EyePictures& pictures() const { return pictures_; }
+                                             const Pose& stage_from_head, const EyeRig& rig);
+  const WarpedEyes& eyes() const { return eyes_; }
 
  private:
-  const EyeRig rig_;
+  void make_room(const EyeRig& rig);
+
   const reprojection::WarpOptions options_;
-  display::EyePictures pictures_;
+  const Depth depth_;
+  WarpedEyes eyes_;
   std::vector<reprojection::Warper> warpers_;  ///< by eye
 };
 

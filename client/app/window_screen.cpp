@@ -7,7 +7,6 @@
 #include <span>
 #include <utility>
 
-#include "client/app/eye_rig.h"
 #include "client/display/window/window.h"
 #include "client/pose/interactive_source.h"
 #include "shared/base/clock.h"
@@ -43,26 +42,27 @@ class Viewer final : public pose::PoseSource {
   pose::InteractiveSource& head_;
 };
 
-class WindowScreen final : public Screen {
+class WindowScreen final : public ClockedScreen {
  public:
-  WindowScreen(std::unique_ptr<display::Window> window, const EyeRig& rig)
-      : window_(std::move(window)), rig_(rig) {}
+  WindowScreen(std::unique_ptr<display::Window> window, const ClientConfig& config,
+               const base::Clock& clock)
+      : ClockedScreen(config, clock), window_(std::move(window)), clock_(clock) {}
 
-  bool poll() override {
+  std::optional<display::RunEnd> poll() override {
     head_.steer(steering(window_->poll()));
-    return !window_->should_close();
+    if (window_->should_close()) return display::RunEnd::WindowClosed;
+    return std::nullopt;
   }
-  void show(const display::EyePictures& eyes, const Gaze& head_gaze) override;
   std::unique_ptr<pose::PoseSource> viewer() override { return std::make_unique<Viewer>(head_); }
 
  private:
+  void present(const display::EyePictures& eyes, const Gaze& head_gaze) override;
   pose::Steering steering(const display::Input& input);
   double step_s();
 
   std::unique_ptr<display::Window> window_;
-  const EyeRig rig_;
+  const base::Clock& clock_;
   pose::InteractiveSource head_;
-  const base::SteadyClock clock_;
   Nanoseconds last_poll_ = clock_.now();
 };
 
@@ -74,42 +74,44 @@ double WindowScreen::step_s() {
 
 pose::Steering WindowScreen::steering(const display::Input& input) {
   pose::Steering steering;
-  const Fov& fov = rig_.display.fov;
+  const foveation::Display& screen = rig().eyes.front().display;  // as every eye's
+  const Fov& fov = screen.fov;
   steering.turn_left = -static_cast<double>(input.drag.u) * (fov.right - fov.left);
   steering.turn_up = -static_cast<double>(input.drag.v) * (fov.up - fov.down);
   steering.move_m = kWalk_m_per_s * step_s() * DVec3(input.right, input.up, -input.forward);
   if (input.reset) steering.reset = pose::Steering::Reset::Yes;
-  if (input.gaze && input.gaze->picture < rig_.eyes) {
-    const DVec2 tangent = rig_.display.fov.tangent_min() +
-                          frustum_size(rig_.display) * DVec2(input.gaze->at.u, input.gaze->at.v);
+  const auto picture = input.gaze ? static_cast<std::size_t>(input.gaze->picture) : 0;
+  if (input.gaze && picture < rig().eyes.size()) {
+    const DVec2 tangent =
+        fov.tangent_min() + frustum_size(screen) * DVec2(input.gaze->at.u, input.gaze->at.v);
     steering.gaze_tangent =
-        DVec2(math::tangent_from_direction(rig_.head_gaze_through(input.gaze->picture, tangent)));
+        DVec2(math::tangent_from_direction(rig().head_gaze_through(picture, tangent)));
   }
   return steering;
 }
 
-void WindowScreen::show(const display::EyePictures& eyes, const Gaze& head_gaze) {
+void WindowScreen::present(const display::EyePictures& eyes, const Gaze& head_gaze) {
   std::array<const image::Plane<Rgb8>*, 2> pictures{};
   display::Overlay overlay;
   const std::size_t count = std::min(eyes.size(), pictures.size());
   for (std::size_t eye = 0; eye < count; ++eye) {
     pictures[eye] = &eyes[eye];
-    overlay.gaze[eye] = picture_point(rig_.display, rig_.gaze_of(static_cast<int>(eye), head_gaze));
+    overlay.gaze[eye] = picture_point(rig().eyes[eye].display, rig().gaze_of(eye, head_gaze));
   }
   window_->show(std::span(pictures).first(count), overlay);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<Screen>> make_window_screen(const ClientConfig& config) {
+Result<std::unique_ptr<Screen>> make_window_screen(const ClientConfig& config,
+                                                   const base::Clock& clock) {
   display::WindowOptions options;
   options.width_px = config.eyes * config.width_px;
   options.height_px = config.height_px;
   options.vsync = display::Vsync::Off;  // the refresh clock sets the pace
   auto window = display::Window::create(options);
   if (!window) return base::forward(window);
-  const EyeRig rig{eye_display(config), config.eyes, config.ipd, config.convergence};
-  return std::make_unique<WindowScreen>(std::move(*window), rig);
+  return std::make_unique<WindowScreen>(std::move(*window), config, clock);
 }
 
 }  // namespace macula::client_app

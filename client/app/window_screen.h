@@ -9,6 +9,7 @@
 namespace macula::client_app {
 
 /// Errors: no display, or no OpenGL 3.3.
-Result<std::unique_ptr<Screen>> make_window_screen(const ClientConfig& config);
+Result<std::unique_ptr<Screen>> make_window_screen(const ClientConfig& config,
+                                                   const base::Clock& clock);
 
 }  // namespace macula::client_app

@@ -23,6 +23,8 @@ class PoseSource {
   virtual ~PoseSource() = default;
   /// The head at `at` (now or a predicted display time). nullopt when the source has ended.
   virtual std::optional<HeadSample> sample(ClientTime at) = 0;
+  /// stage_from_head at a time to come, where the source knows better than an extrapolation.
+  virtual std::optional<Pose> forecast(ClientTime /*at*/) { return std::nullopt; }
 };
 
 }  // namespace macula::pose

@@ -227,23 +227,21 @@ Result<Trace> load_trace(const std::string& path) {
 
 std::string to_csv(const Trace& trace) {
   std::string csv = base::concat(kTraceColumns, "\n");
-  std::array<char, 256> line{};
-  for (const TraceSample& s : trace.samples) {
-    const DVec3& p = s.stage_from_head.position;
-    const DQuat& q = s.stage_from_head.rotation;
-    std::snprintf(line.data(), line.size(), "%.4f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.6f,",
-                  units::to_s(s.at), p.x, p.y, p.z, q.x, q.y, q.z, q.w);
-    csv += line.data();
-    if (s.gaze) {
-      std::snprintf(line.data(), line.size(), "%.6f,%.6f,%.6f", static_cast<double>(s.gaze->x),
-                    static_cast<double>(s.gaze->y), static_cast<double>(s.gaze->z));
-      csv += line.data();
-    } else {
-      csv += ",,";
-    }
-    csv += '\n';
-  }
+  for (const TraceSample& sample : trace.samples) csv += to_csv_line(sample);
   return csv;
+}
+
+std::string to_csv_line(const TraceSample& sample) {
+  const DVec3& p = sample.stage_from_head.position;
+  const DQuat& q = sample.stage_from_head.rotation;
+  std::array<char, 256> text{};
+  std::snprintf(text.data(), text.size(), "%.4f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.6f,",
+                units::to_s(sample.at), p.x, p.y, p.z, q.x, q.y, q.z, q.w);
+  std::string line = text.data();
+  if (!sample.gaze) return line + ",,\n";
+  const DVec3 gaze(*sample.gaze);
+  std::snprintf(text.data(), text.size(), "%.6f,%.6f,%.6f\n", gaze.x, gaze.y, gaze.z);
+  return line + text.data();
 }
 
 }  // namespace macula::pose

@@ -38,7 +38,8 @@ struct Trace {
 /// 1 %, a gaze given in part, fewer than two samples.
 Result<Trace> parse_trace(std::string_view text, const std::string& name);
 Result<Trace> load_trace(const std::string& path);
-/// The CSV of a trace: 0.1 ms, 0.01 mm, 1e-6.
+/// The CSV of a trace, and one line of it with its end: 0.1 ms, 0.01 mm, 1e-6.
 std::string to_csv(const Trace& trace);
+std::string to_csv_line(const TraceSample& sample);
 
 }  // namespace macula::pose

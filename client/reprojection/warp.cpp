@@ -208,6 +208,15 @@ WarpReport Warper::warp(const SourceView& source, const Pose& stage_from_display
   return {pixels - counts.filled_px - counts.outside_px, counts.filled_px, counts.outside_px};
 }
 
+void Warper::copy_inverse_depth(image::Plane<float>& out) const {
+  const Fragments& fragments = memory_->fragments;
+  if (out.width() != fragments.width() || out.height() != fragments.height())
+    out.resize(fragments.width(), fragments.height());
+  for (int y = 0; y < out.height(); ++y)
+    std::transform(fragments.inverse_depths(y), fragments.inverse_depths(y) + out.width(),
+                   out.row(y).begin(), [](float inverse) { return std::max(inverse, 0.0F); });
+}
+
 WarpReport warp(const SourceView& source, const Pose& stage_from_display,
                 const foveation::Display& display, const WarpOptions& options,
                 image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage) {

@@ -83,6 +83,9 @@ class Warper {
   WarpReport warp(const SourceView& source, const Pose& stage_from_display,
                   const foveation::Display& display, const WarpOptions& options,
                   image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage = nullptr);
+  /// What the last warp drew, by display pixel, 1/m from the display's eye; 0 (infinity) where
+  /// nothing was drawn, filled holes included.
+  void copy_inverse_depth(image::Plane<float>& out) const;
 
  private:
   struct Memory;

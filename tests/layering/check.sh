@@ -37,8 +37,8 @@ OpenEXR/ server/exr
 Imf server/exr
 opencv2/ server/filters
 GLFW/ client/display/window
-epoxy/ client/display/window
-openxr/ client/display/openxr client/pose
+epoxy/ client/display/gl tests/support/null_runtime
+openxr/ client/display/openxr tests/support/null_runtime
 CLI/ server/app client/app tests/bench
 toml\.hpp server/app client/app server/scene
 nlohmann/ server client tests/bench tests
@@ -76,7 +76,8 @@ allowed() {
     server/app) echo "shared server" ;;
     client/pose | client/reprojection) echo "$pictures" ;;
     client/frames) echo "$pictures shared/codec shared/net" ;;
-    client/display/*) echo "$pictures shared/net client/pose client/frames client/reprojection" ;;
+    client/display/gl) echo "$pictures" ;;
+    client/display/*) echo "client/display/gl $pictures shared/net client/pose client/frames client/reprojection" ;;
     client/app) echo "shared client" ;;
     *) echo "?" ;;
   esac

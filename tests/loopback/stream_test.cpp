@@ -73,7 +73,7 @@ class Stream : public testing::Test {
     options.connect = server->endpoint();
     options.key_folder = keys_.path();
     options.server_key_z85 = server->public_key_z85();
-    options.hello = make_hello(config);
+    options.hello = make_hello(config, eye_rig(config), config.refresh_hz);
     options.delays = delays.wire;
     auto endpoint = net::ClientEndpoint::create(options, clock_);
     config.connect = server->endpoint();

@@ -102,6 +102,10 @@ const char* name(RunEnd end) {
       return "poses ended";
     case RunEnd::WindowClosed:
       return "window closed";
+    case RunEnd::HeadsetClosed:
+      return "headset closed";
+    case RunEnd::HeadsetLost:
+      return "headset lost";
     case RunEnd::Interrupted:
       return "interrupted";
     case RunEnd::ServerSilent:

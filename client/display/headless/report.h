@@ -17,7 +17,15 @@
 namespace macula::display {
 
 /// Which end a run came to.
-enum class RunEnd { FramesShown, PosesEnded, WindowClosed, Interrupted, ServerSilent };
+enum class RunEnd {
+  FramesShown,
+  PosesEnded,
+  WindowClosed,
+  HeadsetClosed,  ///< its runtime ended the session
+  HeadsetLost,    ///< its runtime is gone
+  Interrupted,
+  ServerSilent
+};
 const char* name(RunEnd end);
 
 struct ClientReport {

@@ -1,14 +1,11 @@
-// What the person at the desktop did since the last look: plain values, no window library. Places
-// are normalised to a picture: (0, 0) its top left corner, (1, 1) its bottom right one.
+// What the person at the desktop did since the last look: plain values, no window library.
 #pragma once
 
 #include <optional>
 
-namespace macula::display {
+#include "client/display/gl/picture_space.h"
 
-struct PicturePoint {
-  float u = 0.0F, v = 0.0F;
-};
+namespace macula::display {
 
 /// A place in one of the pictures shown; 0 is the leftmost.
 struct PictureTarget {

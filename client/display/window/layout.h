@@ -11,10 +11,6 @@
 
 namespace macula::display {
 
-struct PictureSize {
-  int width_px = 0, height_px = 0;
-};
-
 /// One rectangle a picture, all at one scale; at scale 1 pixels map to pixels. Pictures without
 /// pixels and windows without room get empty rectangles.
 std::vector<image::Rect> place_side_by_side(std::span<const PictureSize> pictures,

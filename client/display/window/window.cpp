@@ -1,15 +1,13 @@
 #include "client/display/window/window.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include <cstdio>
 #include <utility>
 #include <vector>
 
+#include "client/display/gl/picture_pass.h"
+#include "client/display/window/glfw.h"
 #include "client/display/window/input_tracker.h"
 #include "client/display/window/layout.h"
-#include "client/display/window/picture_pass.h"
 #include "shared/base/check.h"
 
 namespace macula::display {
@@ -24,35 +22,6 @@ constexpr const char* kHelp =
     "R             back to the start\n"
     "H             this help\n"
     "Esc           close\n";
-
-/// GLFW's initialisation, once for the process's one window.
-struct Library {
-  ~Library() { glfwTerminate(); }
-};
-
-struct DestroyWindow {
-  void operator()(GLFWwindow* window) const { glfwDestroyWindow(window); }
-};
-using Handle = std::unique_ptr<GLFWwindow, DestroyWindow>;
-
-/// GLFW's own words for its last error.
-tl::unexpected<Error> glfw_error(const std::string& what) {
-  const char* reason = nullptr;
-  glfwGetError(&reason);
-  return base::runtime_error(reason ? what + ": " + reason : what, "window",
-                             "without a display use --display headless");
-}
-
-Handle open(const WindowOptions& options) {
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
-  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
-  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-  glfwWindowHint(GLFW_DEPTH_BITS, 0);
-  glfwWindowHint(GLFW_STENCIL_BITS, 0);
-  return Handle(glfwCreateWindow(options.width_px, options.height_px, options.title.c_str(),
-                                 nullptr, nullptr));
-}
 
 PictureSize framebuffer_size(GLFWwindow* window) {
   PictureSize size;
@@ -109,8 +78,8 @@ void on_key(GLFWwindow* window, int key, int /*scancode*/, int action, int /*mod
 
 /// Destroyed from the last to the first: the pass while its context lives, GLFW at the very end.
 struct Window::Parts {
-  Library library;
-  Handle window;
+  GlfwLibrary library;
+  GlfwWindow window;
   InputTracker input;
   std::unique_ptr<PicturePass> pass;
   std::vector<PictureSize> pictures;  ///< of the last show
@@ -125,7 +94,8 @@ struct Window::Parts {
 Result<std::unique_ptr<Window>> Window::create(const WindowOptions& options) {
   if (glfwInit() != GLFW_TRUE) return glfw_error("no window system");
   auto parts = std::make_unique<Parts>();
-  parts->window = open(options);
+  parts->window =
+      open_window(options.width_px, options.height_px, options.title, Visibility::Shown);
   if (!parts->window) return glfw_error("no window with OpenGL 3.3");
   GLFWwindow* window = parts->window.get();
   glfwMakeContextCurrent(window);

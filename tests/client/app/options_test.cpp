@@ -129,5 +129,25 @@ TEST(ClientOptions, ShowHelpWithoutRunning) {
   EXPECT_NE(text.find("--connect"), std::string::npos);
 }
 
+TEST(ClientOptions, LeaveToAHeadsetWhatItKnows) {
+  const ClientConfig config = config_of({"--display", "openxr"});
+  EXPECT_EQ(config.display, DisplayKind::OpenXr);
+  EXPECT_EQ(config.width_px, 0);
+  EXPECT_EQ(config_of({"--display", "openxr", "--size", "400x300"}).width_px, 400);
+  EXPECT_EQ(config_of({"--display", "window"}).width_px, 640);
+  for (const std::vector<const char*>& asked : {std::vector{"--trace", "t.csv"},
+                                                {"--fov-deg", "90"},
+                                                {"--eyes", "1"},
+                                                {"--ipd-mm", "60"},
+                                                {"--refresh", "90"},
+                                                {"--as-fast-as-possible"}}) {
+    std::vector<const char*> arguments{"--display", "openxr"};
+    arguments.insert(arguments.end(), asked.begin(), asked.end());
+    EXPECT_EQ(complaint(arguments), std::string(asked.front()) +
+                                        ": the headset itself decides this (leave it out with "
+                                        "--display openxr)");
+  }
+}
+
 }  // namespace
 }  // namespace macula::client_app

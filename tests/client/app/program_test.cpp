@@ -17,7 +17,8 @@ struct Outcome {
 
 Outcome run(const std::string& arguments) {
   const std::string keys = " --keys '" + testing::TempDir() + "program_keys' 2>&1";
-  std::FILE* pipe = ::popen((MACULA_CLIENT_PROGRAM " " + arguments + keys).c_str(), "r");
+  std::FILE* pipe = ::popen(
+      ("XR_RUNTIME_JSON=/nowhere.json " MACULA_CLIENT_PROGRAM " " + arguments + keys).c_str(), "r");
   Outcome outcome;
   std::array<char, 4096> buffer{};
   while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
@@ -50,6 +51,14 @@ TEST(ClientProgram, EndsWithZeroAfterHelp) {
   const Outcome outcome = run("--help");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("--as-fast-as-possible"), std::string::npos);
+}
+
+// Wherever this runs, one of the two is missing: a display, or the runtime that this name hides.
+TEST(ClientProgram, EndsWithOneAndOneHelpfulLineWithoutAHeadset) {
+  const Outcome outcome = run("--display openxr");
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_NE(outcome.output.find("macula-client: "), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("--display "), std::string::npos) << outcome.output;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // The GL 3.3 pass that puts display-encoded pictures into rectangles of the framebuffer, texel
 // values unchanged where sizes agree, with an optional ring at the gaze. Every call needs the
-// context it was created in to be current. Internal to this room.
+// context it was created in to be current.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "client/display/window/input.h"
-#include "client/display/window/layout.h"
+#include "client/display/gl/picture_space.h"
 #include "shared/base/result.h"
 #include "shared/image/color.h"
 #include "shared/image/plane.h"

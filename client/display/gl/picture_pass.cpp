@@ -1,4 +1,4 @@
-#include "client/display/window/picture_pass.h"
+#include "client/display/gl/picture_pass.h"
 
 #include <epoxy/gl.h>
 
