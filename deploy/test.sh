@@ -15,17 +15,29 @@ for argument in "$@"; do
     *) echo "deploy/test.sh: unknown option '$argument' (known: --no-install, --fast, --full)" >&2; exit 2 ;;
   esac
 done
-if [ "$install" = yes ]; then "$root/deploy/install.sh" build test; fi
+if [ "$install" = yes ]; then
+  "$root/deploy/install.sh" build test
+  "$root/tests/support/monado/monado.sh" prepare "$root/build/monado" ||
+    echo "deploy/test.sh: Monado could not be fetched; its tests will be skipped" >&2
+fi
 
 say() { printf '\n== %s (%s)\n' "$*" "$(date -u +%H:%M:%S)"; }
 # run_ctest PRESET LABEL_TO_SKIP [ctest options...]. Tests over real sockets share the machine with its
 # neighbours and may try twice; everything else has one try.
 runner=()
+say_openxr() {  # how many tests of a headset ran and were skipped, and why
+  local ran skipped
+  ran=$(grep -cE '^\[       OK \] (Headset|Monado)' "$1" || true)
+  skipped=$(grep -cE '^\[  SKIPPED \] (Headset|Monado)[A-Za-z]*\.[A-Za-z]+ \(' "$1" || true)
+  echo "OpenXR: $ran tests ran, $skipped were skipped"
+  grep -A1 -E '^[^ ]*(headset|monado)[^ ]*_test\.cpp:[0-9]+: Skipped' "$1" | grep -vE 'Skipped|^--' | sort -u || true
+}
 run_ctest() {
   local preset=$1 skip=$2
   shift 2
   local ctest=("${runner[@]}" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error -j2 "$@")
   "${ctest[@]}" -LE "^(loopback${skip:+|$skip})\$"
+  say_openxr "build/$preset/Testing/Temporary/LastTest.log"
   "${ctest[@]}" -L '^loopback$' --repeat until-pass:2
 }
 
