@@ -27,7 +27,7 @@ zstd shared/codec
 x264 shared/codec
 libavcodec shared/codec
 zmq shared/net tests
-sodium shared/net
+sodium shared/pairing
 macula/v1/.*\.pb\.h shared/net tests/shared/net
 google/protobuf shared/net tests/shared/net
 tiny_gltf server/scene/gltf
@@ -61,7 +61,9 @@ allowed() {
     shared/units) echo "shared/base" ;;
     shared/math) echo "shared/base shared/units" ;;
     shared/foveation | shared/image) echo "$low" ;;
-    shared/codec | shared/metrics | shared/net) echo "$pictures" ;;
+    shared/pairing) echo "shared/base shared/units" ;;
+    shared/codec | shared/metrics) echo "$pictures" ;;
+    shared/net) echo "$pictures shared/pairing" ;;
     server/sdf) echo "$pictures" ;;
     server/scheduling | server/sampling) echo "$low shared/image" ;;
     server/exr) echo "$low shared/image" ;;
