@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "client/app/options.h"
+#include "client/app/pair_command.h"
 #include "client/app/run_client.h"
 #include "shared/base/clock.h"
 #include "shared/base/log.h"
@@ -56,6 +57,14 @@ int run(const client_app::Options& options) {
                base::ErrorKind::Runtime});
 }
 
+int pair(const client_app::PairCommand& command) {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  const base::SteadyClock clock;
+  const auto paired = client_app::run_pair(command, clock, interrupted);
+  return paired ? 0 : fail(paired.error());
+}
+
 int run_main(int argc, const char* const* argv) {
   const client_app::Environment environment{std::getenv("XDG_CONFIG_HOME"), std::getenv("HOME"),
                                             std::getenv("DISPLAY"), std::getenv("WAYLAND_DISPLAY")};
@@ -65,6 +74,7 @@ int run_main(int argc, const char* const* argv) {
     std::cout << asked->text;
     return 0;
   }
+  if (const auto* command = std::get_if<client_app::PairCommand>(&*parsed)) return pair(*command);
   return run(std::get<client_app::Options>(*parsed));
 }
 

@@ -96,6 +96,18 @@ void add_display_options(CLI::App& app, Typed& typed) {
   app.add_flag("--verbose", typed.verbose, "Tell more");
 }
 
+CLI::App* add_pair_command(CLI::App& app, PairCommand& pair) {
+  CLI::App* const command = app.add_subcommand(
+      "pair", "Get to know a server by the code that 'macula-server pair' shows there");
+  command->add_option("--connect", pair.connect, "Where it pairs; it prints the address")
+      ->option_text("ENDPOINT (tcp://127.0.0.1:7789)");
+  command->add_option("--code", pair.code, "The six digits; without it, they are asked for")
+      ->option_text("DIGITS");
+  command->add_option("--name", pair.name, "What the server calls this client")
+      ->option_text("NAME (the machine's)");
+  return command;
+}
+
 /// "WxH", both within 16..8192.
 Result<std::pair<int, int>> parse_size(const std::string& text) {
   int width = 0, height = 0;
@@ -153,6 +165,11 @@ ClientConfig::Warp warp_of(const std::string& name) {
   return kWarps.at(name);
 }
 
+std::string key_folder(const Typed& typed, const Environment& environment) {
+  return typed.keys.empty() ? net::default_key_folder(environment.xdg_config_home, environment.home)
+                            : typed.keys;
+}
+
 Result<Options> make_options(const Typed& typed, const Environment& environment) {
   Options options;
   ClientConfig& config = options.config;
@@ -167,9 +184,7 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   }
   config.connect = typed.connect;
   config.connect_patience = units::from_s(typed.connect_s);
-  config.key_folder = typed.keys.empty()
-                          ? net::default_key_folder(environment.xdg_config_home, environment.home)
-                          : typed.keys;
+  config.key_folder = key_folder(typed, environment);
   config.vertical_fov = Degrees{typed.fov_deg};
   config.eyes = typed.eyes;
   config.ipd = Meters{1e-3 * typed.ipd_mm};
@@ -192,9 +207,9 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
 
 }  // namespace
 
-Result<std::variant<Options, TextAsked>> parse_options(int argc, const char* const* argv,
-                                                       const Environment& environment) {
+Result<Command> parse_options(int argc, const char* const* argv, const Environment& environment) {
   Typed typed;
+  PairCommand pair{"tcp://127.0.0.1:7789", {}, {}, {}};
   CLI::App app(
       "macula-client: shows what macula-server renders, warped to where the head is now.\n"
       "In a window the cursor is your gaze, dragging turns your head and W A S D move it.\n"
@@ -204,6 +219,8 @@ Result<std::variant<Options, TextAsked>> parse_options(int argc, const char* con
   add_server_options(app, typed);
   add_viewer_options(app, typed);
   add_display_options(app, typed);
+  app.fallthrough();
+  const CLI::App* const pairing = add_pair_command(app, pair);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -212,6 +229,10 @@ Result<std::variant<Options, TextAsked>> parse_options(int argc, const char* con
     return TextAsked{app.version() + "\n"};
   } catch (const CLI::Error& error) {
     return base::bad_input(error.what(), "command line", "see macula-client --help");
+  }
+  if (pairing->parsed()) {
+    pair.key_folder = key_folder(typed, environment);
+    return pair;
   }
   auto options = make_options(typed, environment);
   if (!options) return base::forward(options);

@@ -30,7 +30,15 @@ struct TextAsked {
   std::string text;
 };
 
-Result<std::variant<Options, TextAsked>> parse_options(int argc, const char* const* argv,
-                                                       const Environment& environment);
+/// 'macula-client pair': learn a server's key, and be let in, by its code.
+struct PairCommand {
+  std::string connect;  ///< the pairing socket
+  std::string key_folder;
+  std::string code;  ///< as typed; empty: ask
+  std::string name;  ///< empty: what the machine calls itself
+};
+using Command = std::variant<Options, TextAsked, PairCommand>;
+
+Result<Command> parse_options(int argc, const char* const* argv, const Environment& environment);
 
 }  // namespace macula::client_app

@@ -13,6 +13,7 @@
 #include "shared/base/log.h"
 #include "shared/base/text.h"
 #include "shared/net/keys.h"
+#include "shared/net/listener.h"
 
 namespace macula::server_app {
 namespace {
@@ -115,10 +116,18 @@ Result<std::unique_ptr<net::ServerEndpoint>> open_endpoint(const Options& option
   return net::ServerEndpoint::create(endpoint, clock);
 }
 
+/// A server that other machines can reach, but may not use yet, says what is missing.
+void print_reach(const std::string& endpoint, const std::string& key_folder) {
+  if (!net::is_beyond_loopback(endpoint) || !net::list_clients(key_folder).empty()) return;
+  std::cout << "note: no client of another machine is allowed yet; run 'macula-server pair --keys "
+            << key_folder << "' beside this server, then 'macula-client pair' there\n";
+}
+
 void serve(session::Server& server, const Options& options, StopSignal& stop) {
   constexpr std::chrono::seconds kReport{5};
   server.start();
   stop.serving();
+  print_reach(server.endpoint(), options.keys);
   std::cout << "ready on " << server.endpoint() << " public key " << server.public_key_z85()
             << std::endl;
   while (!stop.wait_for(kReport))

@@ -15,6 +15,12 @@ struct Environment {
   std::string default_key_folder;
 };
 
+/// Pairs one client, prints what a person must do, and ends: after success, after two minutes, or
+/// when `stop` fires. An error when nobody was paired.
+Result<void> run_pair(const PairCommand& command, const Environment& environment,
+                      StopSignal& stop);
+Result<void> run_clients(const ClientsCommand& command, const Environment& environment);
+
 /// Serves until `stop` fires, or prints what was asked for. Everything a user wants to know goes to
 /// stdout, the log to stderr.
 Result<void> run(Options options, const Environment& environment, StopSignal& stop);

@@ -17,6 +17,15 @@ int report(const Error& error) {
   return error.exit_status();
 }
 
+Result<void> run_command(const server_app::Command& command,
+                         const server_app::Environment& environment, server_app::StopSignal& stop) {
+  if (const auto* pair = std::get_if<server_app::PairCommand>(&command))
+    return server_app::run_pair(*pair, environment, stop);
+  if (const auto* clients = std::get_if<server_app::ClientsCommand>(&command))
+    return server_app::run_clients(*clients, environment);
+  return server_app::run(std::get<server_app::Options>(command), environment, stop);
+}
+
 int guarded_main(int argc, char** argv) {
   const auto parsed = server_app::parse_options(argc, argv);
   if (!parsed) return report(parsed.error());
@@ -27,7 +36,7 @@ int guarded_main(int argc, char** argv) {
   server_app::StopSignal stop;
   const server_app::Environment environment{
       net::default_key_folder(std::getenv("XDG_CONFIG_HOME"), std::getenv("HOME"))};
-  const auto done = server_app::run(std::get<server_app::Options>(*parsed), environment, stop);
+  const auto done = run_command(*parsed, environment, stop);
   return done ? EXIT_SUCCESS : report(done.error());
 }
 

@@ -7,6 +7,7 @@
 #include "server/app/settings_file.h"
 #include "shared/base/text.h"
 #include "shared/foveation/rate.h"
+#include "shared/net/pairing_socket.h"
 
 namespace macula::server_app {
 namespace {
@@ -15,7 +16,9 @@ constexpr const char* kExamples = R"(
 Examples:
   macula-server                                 a built-in scene for clients on this machine
   macula-server --scene model.gltf --explain    what a scene needs, without serving it
-  macula-server --bind tcp://0.0.0.0:7788       clients elsewhere (their keys in KEYS/allowed)
+  macula-server pair                            let a client of another machine in, by a code
+  macula-server --bind tcp://*:7788             serve clients elsewhere
+  macula-server clients list                    who may connect; clients revoke NAME takes it back
   macula-server --target-ms 25 --quality 75     hold a frame time, spend fewer bytes
 )";
 
@@ -64,11 +67,35 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--verbose", options.verbose, "Log sessions and, every 5 s, rates and stage times");
 }
 
-Result<std::variant<Options, PrintAndExit>> parse_over(Options options, int argc,
-                                                       const char* const* argv) {
+struct Subcommands {
+  CLI::App *pair, *clients, *revoke;
+  std::string pair_bind = net::kPairingBind, revoked;
+};
+
+/// Options of the program itself, such as --keys, may follow a subcommand too.
+void declare_subcommands(CLI::App& app, Subcommands& commands) {
+  app.fallthrough();
+  app.require_subcommand(0, 1);
+  commands.pair = app.add_subcommand(
+      "pair", "Let a client of another machine in: shows a code for 'macula-client pair'");
+  commands.pair->add_option("--bind", commands.pair_bind, "Where to listen while pairing")
+      ->capture_default_str();
+  commands.clients = app.add_subcommand("clients", "Who may connect");
+  for (CLI::App* command : {commands.pair, commands.clients})
+    command->footer("--keys DIR before or after names another key folder.\n");
+  commands.clients->require_subcommand(1);
+  commands.clients->add_subcommand("list", "List their names and keys");
+  commands.revoke = commands.clients->add_subcommand(
+      "revoke", "Take a client's permission back; its session ends within a second");
+  commands.revoke->add_option("NAME", commands.revoked, "As the list has it")->required();
+}
+
+Result<Command> parse_over(Options options, int argc, const char* const* argv) {
   CLI::App app{"Render server of Macula: streams foveated frames to headset clients",
                "macula-server"};
+  Subcommands commands;
   declare(app, options);
+  declare_subcommands(app, commands);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -78,6 +105,8 @@ Result<std::variant<Options, PrintAndExit>> parse_over(Options options, int argc
   } catch (const CLI::ParseError& error) {
     return base::bad_input(error.what(), {}, "--help lists the options");
   }
+  if (commands.pair->parsed()) return PairCommand{options.keys, commands.pair_bind};
+  if (commands.clients->parsed()) return ClientsCommand{options.keys, commands.revoked};
   return options;
 }
 
@@ -89,7 +118,7 @@ Result<void> in_range(std::string_view option, double value, double low, double 
 
 }  // namespace
 
-Result<std::variant<Options, PrintAndExit>> parse_options(int argc, const char* const* argv) {
+Result<Command> parse_options(int argc, const char* const* argv) {
   auto parsed = parse_over({}, argc, argv);
   if (!parsed) return parsed;
   const Options* direct = std::get_if<Options>(&*parsed);

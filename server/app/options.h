@@ -36,8 +36,20 @@ struct PrintAndExit {
   std::string text;
 };
 
+/// 'macula-server pair': let one client in by a code.
+struct PairCommand {
+  std::string keys;  ///< folder; empty: the user's own
+  std::string bind;  ///< where the pairing socket listens
+};
+/// 'macula-server clients list' and 'clients revoke NAME'.
+struct ClientsCommand {
+  std::string keys;
+  std::string revoke;  ///< a client's name; empty: list them
+};
+using Command = std::variant<Options, PrintAndExit, PairCommand, ClientsCommand>;
+
 /// Errors name the option or the file and line, and say what is allowed.
-Result<std::variant<Options, PrintAndExit>> parse_options(int argc, const char* const* argv);
+Result<Command> parse_options(int argc, const char* const* argv);
 
 /// Ranges that hold whichever way a value came in.
 Result<void> check_options(const Options& options);

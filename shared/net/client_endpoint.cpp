@@ -43,7 +43,9 @@ Result<ClientLink::Options> link_options(const ClientEndpointOptions& options) {
     auto loaded = load_public_key(server_file);
     if (!loaded) {
       Error error = loaded.error();
-      error.remedy = "copy server.pub from the key folder of the server's machine to this file";
+      error.remedy =
+          "run 'macula-server pair' there and 'macula-client pair' here, or copy server.pub from "
+          "the key folder of the server's machine to this file";
       return tl::unexpected<Error>(error);
     }
     server_key = std::move(*loaded);

@@ -10,18 +10,21 @@ using Kind = LinkFailure::Kind;
 
 LinkFailure unknown_client(const LinkNames& names) {
   return {Kind::Refused,
-          concat("the server at ", names.endpoint, " does not know this client: copy ",
+          concat("the server at ", names.endpoint,
+                 " does not know this client: run 'macula-server pair' there and "
+                 "'macula-client pair' here, or copy ",
                  names.own_public,
-                 " to the folder allowed/ of the server's keys, as NAME.pub (its default is "
-                 "~/.config/macula/allowed); no restart is needed")};
+                 " to the folder allowed/ of the server's keys, as NAME.pub; no restart is "
+                 "needed")};
 }
 
 LinkFailure wrong_server_key(const LinkNames& names) {
   return {Kind::Refused,
           concat("the handshake with ", names.endpoint, " failed: its key is not the one in ",
                  names.server_file,
-                 ", or it is not a Macula server; copy server.pub from the server's key folder "
-                 "there, or check --connect")};
+                 ", or it is not a Macula server; pair again ('macula-server pair' there, "
+                 "'macula-client pair' here), copy server.pub from the server's key folder there, "
+                 "or check --connect")};
 }
 
 LinkFailure not_a_server(const LinkNames& names) {

@@ -107,11 +107,12 @@ std::string public_of(const std::string& secret_z85) {
   return text.data();
 }
 
+constexpr std::size_t kLongestName = 64;
+
 bool is_file_name(const std::string& name) {
-  constexpr std::size_t kLongest = 64;
   constexpr std::string_view kAllowed =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-";
-  return !name.empty() && name.size() <= kLongest && name.front() != '.' &&
+  return !name.empty() && name.size() <= kLongestName && name.front() != '.' &&
          name.find_first_not_of(kAllowed) == std::string::npos;
 }
 
@@ -122,6 +123,18 @@ bool is_key(const std::string& z85) {
   constexpr std::string_view kAlphabet =
       "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.-:+=^!/*?&<>()[]{}@%$#";
   return z85.size() == kZ85Key && z85.find_first_not_of(kAlphabet) == std::string::npos;
+}
+
+RawKey raw_key(const std::string& z85) {
+  RawKey raw{};
+  MACULA_CHECK(is_key(z85) && zmq_z85_decode(raw.data(), z85.c_str()) != nullptr, "not a key");
+  return raw;
+}
+
+std::string z85_key(const RawKey& raw) {
+  std::array<char, kZ85Key + 1> text{};
+  MACULA_CHECK(zmq_z85_encode(text.data(), raw.data(), raw.size()) != nullptr);
+  return text.data();
 }
 
 std::string default_key_folder(const char* xdg_config_home, const char* home) {
@@ -166,16 +179,25 @@ Result<std::string> load_public_key(const std::string& file) {
 
 std::vector<std::string> allowed_clients(const std::string& folder, bool trust_own_client) {
   std::vector<std::string> keys;
-  const auto add = [&keys](const std::string& file) {
-    if (auto key = read_key_line(file)) keys.push_back(std::move(*key));
-  };
-  if (trust_own_client) add(folder + "/client.pub");
+  if (trust_own_client)
+    if (auto own = read_key_line(folder + "/client.pub")) keys.push_back(std::move(*own));
+  for (AllowedClient& client : list_clients(folder))
+    if (!client.public_z85.empty()) keys.push_back(std::move(client.public_z85));
+  return keys;
+}
+
+std::vector<AllowedClient> list_clients(const std::string& folder) {
+  std::vector<AllowedClient> clients;
   std::error_code error;
   fs::directory_iterator entry(folder + "/allowed", error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
-    if (entry->path().extension() == ".pub") add(entry->path().string());
+    if (entry->path().extension() != ".pub") continue;
+    clients.push_back(
+        {entry->path().stem().string(), read_key_line(entry->path().string()).value_or("")});
   }
-  return keys;
+  std::sort(clients.begin(), clients.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return clients;
 }
 
 Result<void> allow_client(const std::string& folder, const std::string& name,
@@ -190,6 +212,58 @@ Result<void> allow_client(const std::string& folder, const std::string& name,
   if (auto made = make_private_folder(folder); !made) return made;
   if (auto made = make_private_folder(folder + "/allowed"); !made) return made;
   return write_key_file(folder + "/allowed/" + name + ".pub", public_z85, Existing::Replace);
+}
+
+namespace {
+
+/// What a stranger calls its machine, as a file name.
+std::string as_file_name(const std::string& wanted) {
+  std::string name;
+  for (const char c : wanted.substr(0, kLongestName - 4)) {
+    const bool fits = is_file_name(std::string(1, c)) || (c == '.' && !name.empty());
+    name.push_back(fits ? c : '-');
+  }
+  return name.empty() ? "client" : name;
+}
+
+}  // namespace
+
+Result<std::string> allow_new_client(const std::string& folder, const std::string& wanted,
+                                     const std::string& public_z85) {
+  const auto clients = list_clients(folder);
+  for (const AllowedClient& client : clients)
+    if (client.public_z85 == public_z85) return client.name;
+  const auto is_taken = [&](const std::string& name) {
+    return std::any_of(clients.begin(), clients.end(),
+                       [&](const AllowedClient& client) { return client.name == name; });
+  };
+  const std::string stem = as_file_name(wanted);
+  std::string name = stem;
+  for (int i = 2; is_taken(name); ++i) name = base::concat(stem, "-", i);
+  if (auto allowed = allow_client(folder, name, public_z85); !allowed) return forward(allowed);
+  return name;
+}
+
+Result<void> revoke_client(const std::string& folder, const std::string& name) {
+  const auto clients = list_clients(folder);
+  std::string names;
+  for (const AllowedClient& client : clients) {
+    names += (names.empty() ? "" : ", ") + client.name;
+    if (client.name != name) continue;
+    std::error_code error;
+    if (fs::remove(folder + "/allowed/" + name + ".pub", error)) return {};
+    return base::runtime_error("cannot be removed: " + error.message(),
+                               folder + "/allowed/" + name + ".pub");
+  }
+  return base::bad_input(base::concat("no client is called '", name, "'"), folder + "/allowed",
+                         names.empty() ? "none is allowed" : "there are: " + names);
+}
+
+Result<void> remember_server(const std::string& folder, const std::string& public_z85) {
+  if (!is_key(public_z85))
+    return base::bad_input("not a key", "server key", "40 characters of Z85 text");
+  if (auto made = make_private_folder(folder); !made) return made;
+  return write_key_file(folder + "/server.pub", public_z85, Existing::Replace);
 }
 
 }  // namespace macula::net

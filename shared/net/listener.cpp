@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "shared/base/text.h"
+#include "shared/net/zap.h"
 
 namespace macula::net {
 namespace {
@@ -108,6 +109,11 @@ Result<Listener> listen_on(const std::string& bind) {
   }
   std::string endpoint = endpoint_of(fd.value());
   return Listener{std::move(fd), std::move(endpoint)};
+}
+
+bool is_beyond_loopback(const std::string& endpoint) {
+  const auto parts = split(endpoint);
+  return parts && !is_loopback_address(parts->host);
 }
 
 }  // namespace macula::net

@@ -18,4 +18,7 @@ struct Listener {
 /// `bind`: tcp://A.B.C.D:PORT, tcp://[V6]:PORT or tcp://*:PORT; port 0 or * picks a free one.
 Result<Listener> listen_on(const std::string& bind);
 
+/// Whether other machines can reach what listens on this endpoint of a Listener.
+bool is_beyond_loopback(const std::string& endpoint);
+
 }  // namespace macula::net

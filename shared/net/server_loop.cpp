@@ -19,6 +19,8 @@ constexpr milliseconds kBeatEvery{100};
 constexpr milliseconds kRetryEvery{1};
 /// A client is never silent for longer than 100 ms, unless it is gone.
 constexpr seconds kForgetAfter{10};
+/// A key taken out of the allowed folder ends its sessions within this.
+constexpr seconds kLookForRevokedEvery{1};
 /// One round takes at most this many messages before frames get their turn.
 constexpr int kMessagesARound = 256;
 constexpr int kGoodbye_ms = 100;
@@ -78,9 +80,11 @@ void ServerLoop::round() {
   wakeup_.drain();
   read_monitor();
   zap_.serve();
+  if (zap_.admitted() != handshakes_) read_admitted();  // before the newcomer's first message
   receive_all();
   take_commands();
   beat();
+  expel_the_revoked();
   for (auto& [routing_id, peer] : peers_) flush(peer);
   forget_the_gone();
   publish_counters();
@@ -164,6 +168,25 @@ void ServerLoop::flush(Peer& peer) {
   for (const FrameSent& sent : ended) {
     ++(sent.lost ? own_counters_.frames_lost : own_counters_.frames_sent);
     events_.put(sent);
+  }
+}
+
+void ServerLoop::read_admitted() {
+  admitted_ = allowed_clients(options_.key_folder, true);
+  admitted_read_ = steady_now();
+  handshakes_ = zap_.admitted();
+}
+
+/// A handshake is checked by the ZAP handler; this is for those that were let in before.
+void ServerLoop::expel_the_revoked() {
+  if (steady_now() - admitted_read_ < kLookForRevokedEvery) return;
+  read_admitted();
+  for (auto& [routing_id, peer] : peers_) {
+    if (is_admitted(peer.key_z85)) continue;
+    refuse(peer, RefusalCode::Unspecified, "the server no longer admits this client's key");
+    flush(peer);
+    events_.put(ByeReceived{peer.id, {"its key was revoked", 0}});
+    peer.is_gone = true;
   }
 }
 

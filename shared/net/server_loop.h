@@ -80,6 +80,9 @@ class ServerLoop {
 
   void on_message(const Incoming& message, ServerTime received);
   Peer& peer_of(std::string_view routing_id, const std::string& key_z85);
+  bool is_admitted(const std::string& key_z85) const;
+  void read_admitted();
+  void expel_the_revoked();
   Peer* find(PeerId id);
   void refuse(Peer& peer, RefusalCode code, std::string text);
   void on_undecodable(Peer& peer, const Error& error);
@@ -113,6 +116,9 @@ class ServerLoop {
   Monitor monitor_;
 
   std::unordered_map<std::string, Peer> peers_;  ///< by routing id
+  std::vector<std::string> admitted_;  ///< keys allowed when last looked
+  SteadyTime admitted_read_{};
+  std::uint64_t handshakes_ = 0;  ///< successful ones, when last looked
   std::uint64_t last_peer_ = 0, beats_ = 0;
   std::uint64_t failed_handshakes_ = 0;  ///< besides those the ZAP handler refused
   SteadyTime beat_due_{};

@@ -1,4 +1,5 @@
 // What the server's net thread does with each message that arrives.
+#include <algorithm>
 #include <utility>
 
 #include "shared/base/text.h"
@@ -27,10 +28,18 @@ ServerLoop::Peer& ServerLoop::peer_of(std::string_view routing_id, const std::st
   return peers_.emplace(std::string(routing_id), std::move(peer)).first->second;
 }
 
+bool ServerLoop::is_admitted(const std::string& key_z85) const {
+  return std::find(admitted_.begin(), admitted_.end(), key_z85) != admitted_.end();
+}
+
 void ServerLoop::on_message(const Incoming& message, ServerTime received) {
   constexpr std::size_t kParts = 2;  // routing id and envelope
   const std::string key = message.count == kParts ? message.parts[1].user_id() : std::string{};
   if (key.empty()) {  // every admitted connection has a key; anything else fails closed
+    ++own_counters_.malformed;
+    return;
+  }
+  if (!is_admitted(key)) {  // revoked after its handshake
     ++own_counters_.malformed;
     return;
   }

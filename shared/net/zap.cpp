@@ -12,14 +12,13 @@ namespace {
 
 constexpr const char* kEndpoint = "inproc://zeromq.zap.01";
 constexpr const char* kVersion = "1.0";
-constexpr std::size_t kKeyBytes = 32;
 constexpr std::size_t kMostNamed = 64;
 
 std::string z85_of(const std::string& key) {
-  if (key.size() != kKeyBytes) return {};
-  std::array<char, kKeyBytes * 5 / 4 + 1> text{};
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(key.data());
-  return zmq_z85_encode(text.data(), bytes, kKeyBytes) == nullptr ? std::string{} : text.data();
+  RawKey raw{};
+  if (key.size() != raw.size()) return {};
+  std::copy(key.begin(), key.end(), raw.begin());
+  return z85_key(raw);
 }
 
 /// Every part of one waiting request; empty when there is none.
@@ -85,8 +84,8 @@ std::vector<std::string> ZapHandler::answer(const std::vector<std::string>& requ
     key = admitted_key(asked, domain_, folder_);
     if (key.empty()) say_refused(z85_of(asked.key), asked.address);
   }
+  ++(key.empty() ? refused_ : admitted_);
   if (!key.empty()) return {kVersion, id, "200", "OK", key, ""};
-  ++refused_;
   return {kVersion, id, "400", "this client's key is not allowed", "", ""};
 }
 
@@ -95,8 +94,9 @@ void ZapHandler::say_refused(const std::string& key_z85, const std::string& addr
   if (std::find(named_.begin(), named_.end(), key_z85) != named_.end()) return;
   named_.push_back(key_z85);
   base::log_warning(base::concat("refused a client at ", address, " with unknown key ", key_z85,
-                                 "; to let it in, copy its client.pub to ", folder_,
-                                 "/allowed/NAME.pub"));
+                                 "; to let it in, run 'macula-server pair' here, or copy its "
+                                 "client.pub to ",
+                                 folder_, "/allowed/NAME.pub"));
 }
 
 }  // namespace macula::net

@@ -29,6 +29,7 @@ class ZapHandler {
   bool has_input() const { return socket_.has_input(); }
   int fd() const { return socket_.fd(); }
   std::uint64_t refused() const { return refused_; }
+  std::uint64_t admitted() const { return admitted_; }
 
  private:
   std::vector<std::string> answer(const std::vector<std::string>& request);
@@ -37,7 +38,7 @@ class ZapHandler {
   Socket socket_;
   const std::string folder_, domain_;
   std::vector<std::string> named_;  ///< refused keys the log has named already
-  std::uint64_t refused_ = 0;
+  std::uint64_t refused_ = 0, admitted_ = 0;
 };
 
 /// 127.0.0.0/8 or ::1: the server's own machine.

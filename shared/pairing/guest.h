@@ -32,7 +32,7 @@ class Guest {
  public:
   Guest(Code code, Identity own, Random random);
 
-  /// The first message; said again, it begins the same run again.
+  /// The first message; the host begins a new run for every one it hears.
   std::string greeting() const;
   GuestStep handle(std::string_view bytes);
 

@@ -5,8 +5,7 @@
 namespace macula::client_app {
 namespace {
 
-Result<std::variant<Options, TextAsked>> parse(std::vector<const char*> arguments,
-                                               const Environment& environment = {}) {
+Result<Command> parse(std::vector<const char*> arguments, const Environment& environment = {}) {
   arguments.insert(arguments.begin(), "macula-client");
   return parse_options(static_cast<int>(arguments.size()), arguments.data(), environment);
 }

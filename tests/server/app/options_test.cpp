@@ -8,7 +8,7 @@
 namespace macula::server_app {
 namespace {
 
-Result<std::variant<Options, PrintAndExit>> parse(std::vector<const char*> arguments) {
+Result<Command> parse(std::vector<const char*> arguments) {
   arguments.insert(arguments.begin(), "macula-server");
   return parse_options(static_cast<int>(arguments.size()), arguments.data());
 }
@@ -44,6 +44,21 @@ TEST(Options, DefaultsServeThisMachineOnly) {
   EXPECT_EQ(options.bind, "tcp://127.0.0.1:7788");
   EXPECT_EQ(options.kernel, "auto");
   EXPECT_FALSE(options.target_ms);
+}
+
+TEST(Options, SubcommandsTakeTheKeyFolderBeforeAndAfter) {
+  const auto pair = parse({"--keys", "/k", "pair", "--bind", "tcp://127.0.0.1:1"});
+  ASSERT_TRUE(pair) << pair.error().message();
+  EXPECT_EQ(std::get<PairCommand>(*pair).keys, "/k");
+  EXPECT_EQ(std::get<PairCommand>(*pair).bind, "tcp://127.0.0.1:1");
+  const auto revoke = parse({"clients", "revoke", "headset", "--keys", "/k"});
+  ASSERT_TRUE(revoke) << revoke.error().message();
+  EXPECT_EQ(std::get<ClientsCommand>(*revoke).revoke, "headset");
+  EXPECT_EQ(std::get<ClientsCommand>(*revoke).keys, "/k");
+  EXPECT_EQ(std::get<ClientsCommand>(*parse({"clients", "list"})).revoke, "");
+  EXPECT_FALSE(parse({"clients"}));
+  EXPECT_FALSE(parse({"clients", "revoke"}));
+  EXPECT_FALSE(parse({"pear"}));
 }
 
 TEST(Options, EveryOptionLandsInItsField) {

@@ -1,75 +1,18 @@
 // The built program as a user meets it: exit status and one-line messages.
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <array>
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "tests/support/child_program.h"
+
 namespace {
 
-/// A child process whose stdout and stderr come back through one pipe.
-class Program {
- public:
-  explicit Program(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), MACULA_SERVER_PROGRAM);
-    std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) return;
-    pid_ = fork();
-    if (pid_ == 0) {
-      dup2(ends[1], STDOUT_FILENO);
-      dup2(ends[1], STDERR_FILENO);
-      close(ends[0]);
-      close(ends[1]);
-      std::vector<char*> argv;
-      for (std::string& argument : arguments) argv.push_back(argument.data());
-      argv.push_back(nullptr);
-      execv(argv[0], argv.data());
-      _exit(127);
-    }
-    close(ends[1]);
-    output_ = fdopen(ends[0], "r");
-  }
-  ~Program() {
-    if (!ended_) {
-      signal(SIGKILL);
-      status();
-    }
-    if (output_ != nullptr) fclose(output_);
-  }
-
-  void signal(int number) const { kill(pid_, number); }
-  /// Reads lines until one contains `text`; that line, or an empty one at the end of output.
-  std::string wait_for(const std::string& text) {
-    std::array<char, 4096> line{};
-    while (fgets(line.data(), line.size(), output_) != nullptr) {
-      all_ += line.data();
-      if (std::string(line.data()).find(text) != std::string::npos) return line.data();
-    }
-    return {};
-  }
-  const std::string& read_all() {
-    wait_for("\001 never printed");
-    return all_;
-  }
-  /// Exit status, or -signal.
-  int status() {
-    int raw = 0;
-    waitpid(pid_, &raw, 0);
-    ended_ = true;
-    return WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw);
-  }
-
- private:
-  pid_t pid_ = -1;
-  FILE* output_ = nullptr;
-  std::string all_;
-  bool ended_ = false;
+struct ServerProcess : macula::test::ChildProgram {
+  explicit ServerProcess(std::vector<std::string> arguments)
+      : ChildProgram(MACULA_SERVER_PROGRAM, std::move(arguments)) {}
 };
 
 struct Ended {
@@ -77,7 +20,7 @@ struct Ended {
   std::string output;
 };
 Ended run(const std::vector<std::string>& arguments) {
-  Program program(arguments);
+  ServerProcess program(arguments);
   const std::string output = program.read_all();
   return {program.status(), output};
 }
@@ -128,7 +71,7 @@ TEST_F(ServerProgram, ListsScenesAndExplainsItsChoices) {
 
 TEST_F(ServerProgram, SaysWhenItIsReadyAndEndsWithZeroOnASignal) {
   for (const int number : {SIGINT, SIGTERM}) {
-    Program program(serving());
+    ServerProcess program(serving());
     const std::string ready = program.wait_for("ready on tcp://127.0.0.1:");
     ASSERT_NE(ready, "");
     EXPECT_NE(ready.find("public key "), std::string::npos);
@@ -137,11 +80,24 @@ TEST_F(ServerProgram, SaysWhenItIsReadyAndEndsWithZeroOnASignal) {
   }
 }
 
+TEST_F(ServerProgram, SaysWhatIsMissingWhereOthersCanReachItButNoneIsAllowed) {
+  ServerProcess open(serving("tcp://*:0"));
+  EXPECT_NE(open.wait_for("macula-server pair"), "");
+  EXPECT_NE(open.wait_for("ready on "), "");
+  ServerProcess own(serving());
+  std::string said;
+  for (std::string line = own.wait_for("\n"); !line.empty(); line = own.wait_for("\n")) {
+    said += line;
+    if (line.find("ready on ") == 0) break;
+  }
+  EXPECT_EQ(said.find("macula-server pair"), std::string::npos) << said;
+}
+
 TEST_F(ServerProgram, APortInUseIsNamed) {
-  Program first(serving());
+  ServerProcess first(serving());
   const std::string ready = first.wait_for("ready on ");
   const std::string endpoint = ready.substr(9, ready.find(' ', 9) - 9);
-  Program second(serving(endpoint));
+  ServerProcess second(serving(endpoint));
   const std::string message = second.wait_for("macula-server:");
   EXPECT_NE(message.find(endpoint.substr(endpoint.rfind(':') + 1)), std::string::npos) << message;
   EXPECT_NE(second.status(), 0);

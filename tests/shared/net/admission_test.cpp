@@ -36,6 +36,26 @@ TEST(Admission, AnUnknownClientGetsNothingAndEntersOnceAllowedWithoutARestart) {
   EXPECT_TRUE(meet(server, *client));
 }
 
+TEST(Admission, ARevokedClientIsExpelledWhileItStreamsAndIsNotHeardAgain) {
+  TemporaryFolder keys;
+  PlainServer server(keys.path());
+  StrangerKeys guest(keys.path());
+  const auto options = client_options(server.endpoint().endpoint(), guest.folder.path());
+  ASSERT_TRUE(load_or_make_keys(guest.folder.path(), Role::Client));
+  ASSERT_TRUE(allow_client(keys.path(), "guest", guest.public_key()));
+  const auto client = make_client(options);
+  ASSERT_TRUE(meet(server, *client));
+  ASSERT_TRUE(revoke_client(keys.path(), "guest"));
+  const auto bye = server.next<ByeReceived>();
+  ASSERT_TRUE(bye);
+  EXPECT_EQ(bye->peer, server.peer());
+  ASSERT_TRUE(next_event<Refused>(*client));
+  for (std::uint64_t i = 1; i <= 50; ++i) {
+    client->publish(make_view(i));
+    EXPECT_FALSE(server.next<ViewReceived>(10ms));
+  }
+}
+
 TEST(Admission, AClientThatHoldsTheWrongServerKeyIsToldSo) {
   TemporaryFolder keys;
   PlainServer server(keys.path());
