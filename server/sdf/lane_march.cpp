@@ -12,6 +12,7 @@ class SlabMarch {
 
   // A page is marched until half its lanes have ended; the rest joins other lanes in a new page.
   std::uint64_t run() {
+    if (slab_.open && limits_.free_way == FreeWay::Leap) return leap();
     const Tape& tape = s_.block_slabs.tape_of(slab_, slab_.waiting.size(), s_.registers);
     std::uint64_t evaluations = 0;
     while (!slab_.waiting.empty()) {
@@ -30,6 +31,26 @@ class SlabMarch {
   }
 
  private:
+  /// Nothing is in the way here: lanes go to the slab's end without an evaluation. One that a
+  /// stretched step brought here is not known to be free before it: it goes back to where it is.
+  std::uint64_t leap() {
+    while (!slab_.waiting.empty()) {
+      const Page page = slab_.waiting.take();
+      Chunk& lanes = *page.lanes;
+      for (std::size_t i = 0; i < page.count; ++i) {
+        const float free = lanes.t[i] + lanes.radius[i];
+        const bool knows = stepping_ == Stepping::Cone || free >= slab_.low;
+        const float to = knows ? slab_.high : free;
+        const LaneState state = to < limits_.far_m ? LaneState::Left : LaneState::Miss;
+        lanes.at[i] = lanes.t[i] = to;
+        lanes.radius[i] = 0.0F, lanes.slope[i] = -1.0F;
+        lanes.state[i] = static_cast<std::int32_t>(state);
+        leave(lanes, i);
+      }
+      s_.pool.give(page.lanes);
+    }
+    return 0;
+  }
   void leave(const Chunk& lanes, std::size_t i) {
     const auto state = static_cast<LaneState>(lanes.state[i]);
     if (state == LaneState::Live) return slab_.waiting.push(lanes, i, s_.pool);

@@ -35,10 +35,15 @@ struct alignas(64) Chunk {
   std::uint32_t id[kBatch];
 };
 
+/// What lanes do where nothing is in the way of any of a bundle. Steps show nothing of how bundles
+/// were cut; leaps are shorter work.
+enum class FreeWay { Step, Leap };
+
 struct MarchLimits {
   float slab_low = 0.0F, slab_high = 0.0F;  ///< positions asked for lie in [low, high)
   float far_m = 0.0F, hit_m = 0.0F;
   std::int32_t max_steps = 0;
+  FreeWay free_way = FreeWay::Step;
 };
 
 /// Where unit directions go: planes at a vector's alignment.

@@ -75,7 +75,7 @@ TraceCounts PaperPyramid::trace_block(int level, const image::Rect& cells, Trace
   const int samples = last ? options_.samples : 1;
   const MarchLimits limits{
       .far_m = program_->far_m, .hit_m = options_.hit_m, .max_steps = options_.max_steps};
-  s.block_slabs.reset(*program_, nullptr, {}, Slabs::Pruning::None);
+  s.block_slabs.reset_whole(*program_);
   s.wanted.assign(static_cast<std::size_t>(cells.width * cells.height), 1);
   s.block.cells = cells;
   const std::size_t rays =

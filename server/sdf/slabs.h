@@ -1,20 +1,22 @@
 // What a program needs inside a cone around a bundle of rays, by depth: the range of t is cut into
 // slabs whose length grows with t, and what cannot win in a slab's ball is pruned when the slab is
-// first asked for. Where nothing is met over a longer way that way is one slab: lanes cross it in
-// few steps, and together. Bundles inside a bundle start from what the outer one kept. Inside
-// server/sdf.
+// first asked for. Where nothing is met over a longer way that way is one slab, and lanes go to its
+// end at once. Bundles inside a bundle start from what the outer one kept. Inside server/sdf.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "server/sdf/ball.h"
 #include "server/sdf/evaluate.h"
 #include "server/sdf/lane_queue.h"
 #include "server/sdf/program.h"
 #include "server/sdf/tape.h"
+#include "server/sdf/union_tree.h"
 
 namespace macula::sdf {
 
@@ -28,34 +30,36 @@ struct Cone {
 /// Around the unit directions, with room for their roundings.
 Cone cone_around(std::span<const Vec3> directions);
 
-/// In which the cone's directions stay over some range of t.
-struct Ball {
-  Vec3 centre{0.0F};
-  float radius = 0.0F;
-};
-
 /// How far beyond its ends a slab's code still holds, relative to t: room to find crossings.
 inline constexpr float kSlabMargin = 4e-3F;
 
 struct Slab {
   std::uint32_t key = 0;          ///< the first that it holds; grows with depth
   float low = 0.0F, high = 0.0F;  ///< t in [low, high)
-  bool open = false;              ///< its ball is free: it may be longer than others
-  std::vector<Instruction> code;
-  Tape tape;               ///< empty until tape_of asks for it
-  Slab* shared = nullptr;  ///< whose code and tape serve as long as this one is not pruned, or null
-  std::size_t seen = 0;    ///< lanes that came here
-  std::size_t operations = 0;       ///< of the tape, a point
-  LaneQueue waiting;                ///< lanes to march here
+  /// Nothing in its ball is as near as a ray's hit distance: it may be longer than others, and
+  /// lanes may go to its end at once.
+  bool open = false;
+  std::vector<Instruction> code;  ///< empty until the tape is made
+  Tape tape;                      ///< empty until tape_of asks for it
+  Slab* shared = nullptr;         ///< whose tape serves as long as this one is not pruned, or null
+  std::size_t seen = 0;           ///< lanes that came here
+  std::size_t operations = 0;     ///< of the tape, a point
+  LaneQueue waiting;              ///< lanes to march here
   std::vector<std::uint32_t> hits;  ///< lanes that hit here
 };
 
 class Slabs {
  public:
-  enum class Pruning { None, ByDepth };
-
-  /// Forgets everything. `outer` (or null) and `program` must live while slabs are asked for.
-  void reset(const Program& program, Slabs* outer, const Cone& cone, Pruning pruning);
+  /// What slabs are cut from; all must live while slabs are asked for.
+  struct Source {
+    const Program& program;
+    const UnionTree* tree = nullptr;       ///< of the program, or null: its branches are few
+    float hit_width = 0.0F, hit_m = 0.0F;  ///< a hit is nearer than hit_width t + hit_m
+  };
+  /// One slab with all of the program. These forget everything.
+  void reset_whole(const Program& program);
+  void reset(const Source& source, const Cone& cone);
+  void reset_within(Slabs& outer, const Cone& cone);
 
   /// The slab that holds t >= 0.
   Slab& of(float t, Registers& registers);
@@ -73,18 +77,32 @@ class Slabs {
   std::uint64_t prunings() const { return prunings_; }
 
  private:
+  enum class Cut { Whole, Outermost, Within };
+  void begin(const Program& program, Slabs* outer, const Cone& cone, Cut cut);
   std::uint32_t key_of(float t) const;
   Slab& make(std::uint32_t key, Registers& registers);
   void cut_outermost(Slab& slab, Registers& registers);
   void cut_within(Slab& slab, Registers& registers);
+  bool pays(const Slab& slab) const;
   void prune(Slab& slab, const std::vector<Instruction>& from, Registers& registers);
-  /// Around the part of the cone where t is in [low, high), with margins.
+  /// Around the part of the cone where t is in [low, high), with margins: there its directions
+  /// stay.
   Ball ball_of(float low, float high) const;
+  /// Whether nothing is so near as a hit at `high` to any place of a ball, ball by ball. At most
+  /// kRecordedPoints. `rest` has what is not in the tree, nothing if it is empty.
+  using FreeBalls = std::array<bool, kRecordedPoints>;
+  FreeBalls are_free(std::span<const Ball> balls, float high, const Tape& rest,
+                     Registers& registers) const;
 
   const Program* program_ = nullptr;
+  const UnionTree* tree_ = nullptr;
+  UnionTree::Query query_;
+  /// Of the program, or of what is not in the tree; empty if that is nothing.
+  Tape rest_;
+  float hit_width_ = 0.0F, hit_m_ = 0.0F;
   Slabs* outer_ = nullptr;
   Cone cone_;
-  Pruning pruning_ = Pruning::None;
+  Cut cut_ = Cut::Whole;
   std::uint32_t shift_ = 23, first_key_ = 0;
   std::vector<std::int16_t> place_;  ///< by key - first_key_; -1: not made
   std::vector<Slab> slabs_;          ///< kept for their memory; the first count_ are in use

@@ -5,6 +5,7 @@
 
 #include "server/sdf/ray_block.h"
 #include "server/sdf/surfaces.h"
+#include "server/sdf/union_tree.h"
 #include "shared/base/check.h"
 #include "shared/base/text.h"
 
@@ -56,6 +57,7 @@ class TileTrace {
   TileTrace(const Tracer& tracer, const image::Plane<std::uint8_t>* mask, TraceScratch& scratch)
       : grid_(*tracer.grid_),
         program_(*tracer.program_),
+        tree_(*tracer.tree_),
         options_(tracer.options_),
         scene_from_view_(tracer.scene_from_view_),
         mask_(mask),
@@ -63,10 +65,12 @@ class TileTrace {
     limits_.far_m = program_.far_m;
     limits_.hit_m = options_.hit_m;
     limits_.max_steps = options_.max_steps;
+    if (options_.method == Method::Cones) limits_.free_way = FreeWay::Leap;
   }
 
   TraceCounts run(const image::Rect& tile, const Tracer::Done& done) {
-    if (prunes()) s_.tile_slabs.reset(program_, nullptr, cone_of(tile), Slabs::Pruning::ByDepth);
+    if (prunes())
+      s_.tile_slabs.reset({program_, &tree_, hit_width(tile), options_.hit_m}, cone_of(tile));
     const int side = block_side(tile);
     for (int y = 0; y < tile.height; y += side) {
       for (int x = 0; x < tile.width; x += side) {
@@ -90,6 +94,15 @@ class TileTrace {
     return side;
   }
   bool prunes() const { return options_.method != Method::Full; }
+  /// The most that a ray of the tile calls near, at unit t: aim_rays' for cells in the middle.
+  float hit_width(const image::Rect& tile) const {
+    float widest = 0.0F, highest = 0.0F;
+    for (int x = tile.x; x < tile.x + tile.width; ++x)
+      widest = std::max(widest, grid_.footprint(x, tile.y).x);
+    for (int y = tile.y; y < tile.y + tile.height; ++y)
+      highest = std::max(highest, grid_.footprint(tile.x, y).y);
+    return options_.hit_pixels * 0.5F * std::max(widest, highest);
+  }
 
   Vec3 direction(const Vec2& tangent) const {
     return glm::normalize(scene_from_view_ * math::direction_from_tangent(tangent));
@@ -124,8 +137,8 @@ class TileTrace {
   }
 
   void trace_block(const Tracer::Done& done) {
-    const auto pruning = prunes() ? Slabs::Pruning::ByDepth : Slabs::Pruning::None;
-    s_.block_slabs.reset(program_, prunes() ? &s_.tile_slabs : nullptr, cone_of(block_), pruning);
+    if (prunes()) s_.block_slabs.reset_within(s_.tile_slabs, cone_of(block_));
+    if (!prunes()) s_.block_slabs.reset_whole(program_);
     start_side_ = 0;
     if (options_.method == Method::Cones) march_cones();
     make_rays();
@@ -242,6 +255,7 @@ class TileTrace {
 
   const PixelGrid& grid_;
   const Program& program_;
+  const UnionTree& tree_;
   const TraceOptions& options_;
   const Mat3& scene_from_view_;
   const image::Plane<std::uint8_t>* mask_;
@@ -254,7 +268,11 @@ class TileTrace {
 
 Tracer::Tracer(const Program& program, const DMat3& scene_from_view, const PixelGrid& grid,
                const TraceOptions& options)
-    : program_(&program), grid_(&grid), scene_from_view_(scene_from_view), options_(options) {}
+    : program_(&program),
+      tree_(std::make_shared<const UnionTree>(program)),
+      grid_(&grid),
+      scene_from_view_(scene_from_view),
+      options_(options) {}
 
 Result<Tracer> Tracer::create(const Program& program, const DMat3& scene_from_view,
                               const PixelGrid& grid, const TraceOptions& options) {

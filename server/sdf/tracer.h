@@ -89,6 +89,7 @@ inline constexpr int kTileSide = 128;
 /// Where in its cell sample i of n lies, in (0, 1)^2; n = 1 is the centre.
 Vec2 sample_offset(int i, int n);
 
+class UnionTree;
 struct TraceScratch;
 class TraceWorkspace {
  public:
@@ -121,6 +122,7 @@ class Tracer {
          const TraceOptions& options);
 
   const Program* program_;
+  std::shared_ptr<const UnionTree> tree_;
   const PixelGrid* grid_;
   Mat3 scene_from_view_;
   TraceOptions options_;

@@ -4,16 +4,11 @@
 #include <cmath>
 
 #include "server/sdf/evaluate.h"
-#include "shared/math/hash.h"
+#include "tests/server/sdf/random_points.h"
 #include "tests/server/sdf/tracing.h"
 
 namespace macula::sdf {
 namespace {
-
-struct Ball {
-  Vec3 centre{0.0F};
-  float radius = 0.0F;
-};
 
 std::vector<Instruction> pruned_in(const Program& program, const Ball& ball) {
   Registers registers;
@@ -22,20 +17,6 @@ std::vector<Instruction> pruned_in(const Program& program, const Ball& ball) {
   const Tape recording = make_recording_tape(program.code, program.constants);
   return pruned(program.code, program.constants, record(recording, points, registers), ball.radius);
 }
-
-class Uniform {
- public:
-  float operator()() { return 2.0F * math::unit_float(math::hash_mix(state_++)) - 1.0F; }
-  Vec3 in_ball(const Ball& ball) {
-    for (;;) {
-      const Vec3 v{(*this)(), (*this)(), (*this)()};
-      if (glm::dot(v, v) < 1.0F) return ball.centre + ball.radius * v;
-    }
-  }
-
- private:
-  std::uint64_t state_ = 11;
-};
 
 class Pruning : public testing::TestWithParam<const char*> {};
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/sdf/lane_march.h"
 #include "tests/server/sdf/tracing.h"
 
 namespace macula::sdf {
@@ -19,8 +20,8 @@ Cone ahead() {
 class FreeWays : public testing::Test {
  protected:
   void SetUp() override {
-    outer_.reset(program_, nullptr, ahead(), Slabs::Pruning::ByDepth);
-    inner_.reset(program_, &outer_, ahead(), Slabs::Pruning::ByDepth);
+    outer_.reset({program_}, ahead());
+    inner_.reset_within(outer_, ahead());
   }
 
   Program program_ =
@@ -60,6 +61,49 @@ TEST_F(FreeWays, LeaveNoGapAndNoOverlap) {
     ASSERT_EQ(&inner_.of(std::nextafter(slab.high, 0.0F), registers_), &slab);
     end = slab.high;
   }
+}
+
+// ---- leaps ----
+
+/// A wall a centimeter thick at z = -3, looked at through a cone along -z.
+class Wall : public testing::Test {
+ protected:
+  void SetUp() override {
+    scratch_.tile_slabs.reset({program_}, ahead());
+    scratch_.block_slabs.reset_within(scratch_.tile_slabs, ahead());
+    scratch_.results.resize(1);
+    limits_.far_m = program_.far_m, limits_.hit_m = 1e-3F, limits_.max_steps = 1000;
+    limits_.free_way = FreeWay::Leap;
+  }
+  /// A ray that is asked next at `at` and free until radius beyond t.
+  LaneResult march_from(float t, float radius, float at) {
+    Chunk lane{};
+    lane.z[0] = -1.0F;
+    lane.t[0] = t, lane.radius[0] = radius, lane.slope[0] = -0.5F, lane.at[0] = at;
+    scratch_.block_slabs.of(at, scratch_.registers).waiting.push(lane, 0, scratch_.pool);
+    evaluations_ = march(Stepping::Relaxed, limits_, scratch_).evaluations;
+    return scratch_.results[0];
+  }
+
+  Program program_ = compile(
+      scene_of(R"({"type": "box", "half_size": [5, 5, 0.005], "at": [0, 0, -3]})"), 0.0, DVec3{});
+  TraceScratch scratch_;
+  MarchLimits limits_;
+  std::uint64_t evaluations_ = 0;
+};
+
+TEST_F(Wall, IsLeftBehindWithoutAnEvaluation) {
+  const LaneResult result = march_from(8.0F, 0.0F, 8.0F);
+  EXPECT_EQ(result.state, LaneState::Miss);
+  EXPECT_EQ(evaluations_, 0U);
+}
+
+/// Rays were lost behind thin things: a stretched step had led them into a free way, and they went
+/// on from there before anybody had looked at what it led across.
+TEST_F(Wall, IsMetByARayWhoseStretchedStepLedAcrossIt) {
+  const LaneResult result = march_from(2.0F, 0.5F, 8.0F);
+  EXPECT_EQ(result.state, LaneState::Hit);
+  EXPECT_NEAR(result.at, 2.995F, 2e-3F);
 }
 
 }  // namespace
