@@ -1,6 +1,8 @@
-// Clock offset between client and server from four-stamp exchanges. Keeps the lowest-RTT samples of
-// a window; the bound is RTT_min / 2 + 500 ppm x the sample's age, and a sample outside the bound
-// (suspend, restart) resets the estimator. A value: the net thread updates, others read copies.
+// Clock offset and skew between client and server from four-stamp exchanges. Every sample says that
+// the offset lies within RTT / 2 + 500 ppm x the sample's age of its own; the estimate is the
+// lowest-RTT sample's offset carried on by the skew, kept within what all of them allow, and the
+// bound is the farther end of that interval. A sample outside (suspend, restart) resets the
+// estimator. A value: the net thread updates, others read copies.
 #pragma once
 
 #include <deque>
@@ -14,6 +16,7 @@ struct ClockEstimate {
   Nanoseconds server_minus_client{0};
   Nanoseconds bound{0};  ///< |error of server_minus_client| is at most this on any link
   Nanoseconds min_rtt{0};
+  double skew_ppm = 0.0;  ///< the server's clock runs this much faster; 0 until it can be told
 
   ClientTime to_client(ServerTime t) const {
     return ClientTime{t.time_since_epoch() - server_minus_client};
@@ -34,7 +37,7 @@ class ClockSync {
   void add(const Sample& sample);
   /// nullopt before the first sample. `now` ages the bound.
   std::optional<ClockEstimate> estimate(ClientTime now) const;
-  void reset() { samples_.clear(); }
+  void reset();
   int resets() const { return resets_; }
   int refused() const { return refused_; }
 
@@ -43,7 +46,11 @@ class ClockSync {
     Nanoseconds offset, rtt;
     ClientTime at;
   };
-  std::deque<Kept> samples_;
+  void remember_second(const Kept& kept);
+  double skew() const;
+
+  std::deque<Kept> samples_;  ///< none allows all that a newer one does
+  std::deque<Kept> seconds_;  ///< the lowest RTT of each second, oldest first
   int resets_ = 0, refused_ = 0;
 };
 

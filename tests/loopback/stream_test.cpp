@@ -7,6 +7,7 @@
 #include "client/app/run_client.h"
 #include "shared/base/text.h"
 #include "tests/loopback/server_fixture.h"
+#include "tests/support/chaos_proxy.h"
 #include "tests/support/handed_data.h"
 
 namespace macula::loopback {
@@ -19,6 +20,7 @@ struct Delays {
   LoopbackServerOptions server;
   client_app::StageDelays client;
   net::ClientDelays wire;
+  Nanoseconds link_up{0}, link_down{0};  ///< of the way between, both 0: there is none
 };
 
 Delays delays_in(Stage stage, Nanoseconds delay) {
@@ -70,7 +72,8 @@ class Stream : public testing::Test {
   display::ClientReport run(client_app::ClientConfig config, const Delays& delays = {}) {
     LoopbackServer server(keys_.path(), delays.server);
     net::ClientEndpointOptions options;
-    options.connect = server->endpoint();
+    const auto link = make_link(server->endpoint(), delays);
+    options.connect = link ? link->endpoint() : server->endpoint();
     options.key_folder = keys_.path();
     options.server_key_z85 = server->public_key_z85();
     options.hello = make_hello(config, eye_rig(config), config.refresh_hz);
@@ -86,6 +89,19 @@ class Stream : public testing::Test {
     }
     EXPECT_LE(server->telemetry().sessions.most_in_flight_excess, 0);
     return std::move(*report);
+  }
+
+  static std::unique_ptr<support::ChaosProxy> make_link(const std::string& server,
+                                                        const Delays& delays) {
+    if (delays.link_up == 0ns && delays.link_down == 0ns) return nullptr;
+    auto link = support::ChaosProxy::create(server);
+    if (!link) {
+      ADD_FAILURE() << link.error().message();
+      return nullptr;
+    }
+    (*link)->shape(support::Direction::ToServer, {.delay = delays.link_up});
+    (*link)->shape(support::Direction::ToClient, {.delay = delays.link_down});
+    return std::move(*link);
   }
 
   TemporaryFolder keys_;
@@ -176,6 +192,57 @@ TEST_F(Stream, FindsThirtyMillisecondsInTheStageTheyWereSpentInAndInNoOther) {
     }
     EXPECT_EQ(wrong, "");
   }
+}
+
+/// The first stage whose cost did not change by what the link adds to it, +-1 ms.
+std::string first_stage_moved_by_the_link(const StageCosts& plain, const StageCosts& cost,
+                                          double one_way_ms) {
+  for (std::size_t i = 0; i < cost.size(); ++i) {
+    const auto stage = static_cast<Stage>(i);
+    const bool is_link = stage == Stage::Uplink || stage == Stage::Downlink;
+    const double off_ms = cost[i] - plain[i] - (is_link ? one_way_ms : 0.0);
+    if (std::abs(off_ms) > 1.0) return base::concat(name(stage), " is off by ", off_ms, " ms");
+  }
+  return {};
+}
+
+// Both programs read one clock here, so the true offset is 0.
+TEST_F(Stream, ALinkOfTenMillisecondsEachWayIsUplinkAndDownlinkAndNothingElse) {
+  client_app::ClientConfig config = small_viewer();
+  config.pacing = client_app::Pacing::AsFastAsPossible;
+  config.frames = 40;
+  config.eyes = 1;
+  config.width_px = config.height_px = 32;
+  Delays plain, linked;
+  plain.client.idle = linked.client.idle = units::from_ms(30.0);
+  linked.link_up = linked.link_down = units::from_ms(10.0);
+  std::string wrong = "never measured";
+  for (int pair = 0; pair < 4 && !wrong.empty(); ++pair) {
+    const StageCosts without = own_cost_ms(run(config, plain));
+    const auto report = run(config, linked);
+    expect_stages_add_up(report);
+    wrong = first_stage_moved_by_the_link(without, own_cost_ms(report), 10.0);
+    ASSERT_TRUE(report.clock);
+    const Nanoseconds error = std::chrono::abs(report.clock->server_minus_client);
+    EXPECT_LE(error, report.clock->bound);
+    if (error > units::from_ms(0.5)) wrong = base::concat("clock off by ", units::to_ms(error));
+  }
+  EXPECT_EQ(wrong, "");
+}
+
+// No exchange can tell an asymmetric link from a clock that is off; the bound says so.
+TEST_F(Stream, OnAnAsymmetricLinkTheClockIsOffByLessThanItsBound) {
+  client_app::ClientConfig config = small_viewer();
+  config.frames = 40;
+  config.eyes = 1;
+  config.width_px = config.height_px = 32;
+  Delays delays;
+  delays.link_up = units::from_ms(2.0);
+  delays.link_down = units::from_ms(18.0);
+  const auto report = run(config, delays);
+  ASSERT_TRUE(report.clock);
+  EXPECT_GE(std::chrono::abs(report.clock->server_minus_client), units::from_ms(4.0));
+  EXPECT_LE(std::chrono::abs(report.clock->server_minus_client), report.clock->bound);
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ using std::chrono::nanoseconds;
 constexpr std::size_t kChunkBytes = 16384;
 constexpr int kSocketBufferBytes = 65536;  ///< small, so that the link's own buffer is the one felt
 constexpr nanoseconds kLongestSleep = std::chrono::milliseconds{100};
+constexpr std::size_t kPacketBytes = 1448;  ///< of payload, on Ethernet with time stamps
 
 /// A file descriptor with an owner.
 class Fd {
@@ -56,10 +57,25 @@ class Fd {
 /// What one direction does, shared by the pipes of all connections.
 struct Lane {
   LinkShape shape;
+  LinkTrace trace;  ///< empty: the shape stays
+  TimePoint trace_start{};
   bool stalled = false;
   std::optional<std::uint64_t> flip_in;  ///< bytes still to enter before the flip
   std::uint64_t bytes = 0, flipped = 0;
+
+  /// Takes the shape of `now`; answers when it changes next.
+  std::optional<TimePoint> follow(TimePoint now);
 };
+
+std::optional<TimePoint> Lane::follow(TimePoint now) {
+  if (trace.steps.empty()) return std::nullopt;
+  const nanoseconds lasts = std::max(trace.lasts, trace.steps.back().at + nanoseconds{1});
+  const nanoseconds since = (now - trace_start) % lasts;
+  const auto next = std::upper_bound(trace.steps.begin() + 1, trace.steps.end(), since,
+                                     [](nanoseconds t, const auto& step) { return t < step.at; });
+  shape = std::prev(next)->shape;
+  return now + ((next == trace.steps.end() ? lasts : next->at) - since);
+}
 
 /// One direction of one connection: a delay line with a rate limit at its end.
 class Pipe {
@@ -101,6 +117,13 @@ void flip_if_its_turn(std::vector<std::uint8_t>& bytes, Lane& lane, std::mt19937
   ++lane.flipped;
 }
 
+nanoseconds stall_by_losses(std::size_t bytes, const LinkShape& shape, std::mt19937_64& random) {
+  if (shape.loss <= 0.0) return nanoseconds{0};
+  const auto packets = static_cast<long>((bytes + kPacketBytes - 1) / kPacketBytes);
+  std::binomial_distribution<long> lost(packets, shape.loss);
+  return lost(random) * shape.loss_stall;
+}
+
 void Pipe::read_from(int fd, Lane& lane, TimePoint now, std::mt19937_64& random) {
   Chunk chunk;
   chunk.bytes.resize(std::min(kChunkBytes, lane.shape.buffer_bytes - held_));
@@ -114,7 +137,8 @@ void Pipe::read_from(int fd, Lane& lane, TimePoint now, std::mt19937_64& random)
   held_ += chunk.bytes.size();
   flip_if_its_turn(chunk.bytes, lane, random);
   std::uniform_int_distribution<nanoseconds::rep> extra(0, lane.shape.jitter.count());
-  chunk.due = std::max(last_due_, now + lane.shape.delay + nanoseconds{extra(random)});
+  chunk.due = std::max(last_due_, now + lane.shape.delay + nanoseconds{extra(random)}) +
+              stall_by_losses(chunk.bytes.size(), lane.shape, random);
   last_due_ = chunk.due;
   chunks_.push_back(std::move(chunk));
 }
@@ -142,6 +166,7 @@ bool Pipe::write_to(int fd, Lane& lane, TimePoint now) {
 struct Connection {
   Fd client, server;
   Pipe up, down;
+  bool half_open = false;  ///< both ends talk to nobody
   std::array<std::optional<std::size_t>, 2>
       poll_slots;  ///< client, server in this round's poll set
 };
@@ -191,7 +216,16 @@ class Proxy final : public ChaosProxy {
     change([&] { server_ = parse_endpoint(server); });
   }
   void shape(Direction direction, const LinkShape& shape) override {
-    change([&] { lane(direction).shape = shape; });
+    change([&] {
+      lane(direction).shape = shape;
+      lane(direction).trace = {};
+    });
+  }
+  void follow(Direction direction, LinkTrace trace) override {
+    change([&] {
+      lane(direction).trace = std::move(trace);
+      lane(direction).trace_start = std::chrono::steady_clock::now();
+    });
   }
   void flip_bit_after(Direction direction, std::uint64_t skip) override {
     change([&] { lane(direction).flip_in = skip; });
@@ -204,6 +238,22 @@ class Proxy final : public ChaosProxy {
   }
   void cut() override {
     change([this] { connections_.clear(); });
+  }
+  void reset() override {
+    change([this] {
+      const linger at_once{1, 0};
+      for (const Connection& c : connections_) {
+        for (const Fd* fd : {&c.client, &c.server}) {
+          ::setsockopt(fd->value(), SOL_SOCKET, SO_LINGER, &at_once, sizeof at_once);
+        }
+      }
+      connections_.clear();
+    });
+  }
+  void leave_half_open() override {
+    change([this] {
+      for (Connection& c : connections_) c.half_open = true;
+    });
   }
   std::uint64_t bytes(Direction direction) const override {
     std::lock_guard lock(mutex_);
@@ -294,13 +344,31 @@ nanoseconds Proxy::plan_round(TimePoint now) {
     sleep = std::min(sleep, std::chrono::duration_cast<nanoseconds>(*due - now));
     return 0;
   };
+  for (Lane& lane : lanes_) {
+    if (const auto change = lane.follow(now)) {
+      sleep = std::min(sleep, std::chrono::duration_cast<nanoseconds>(*change - now));
+    }
+  }
   for (Connection& c : connections_) {
+    if (c.half_open) {
+      watch(c.poll_slots[0], c.client.value(), c.client.valid() ? POLLIN : 0);
+      watch(c.poll_slots[1], c.server.value(), c.server.valid() ? POLLIN : 0);
+      continue;
+    }
     const int reads_up = c.up.wants_bytes(up()) ? POLLIN : 0;
     const int reads_down = c.down.wants_bytes(down()) ? POLLIN : 0;
     watch(c.poll_slots[0], c.client.value(), reads_up | writes(c.down, down()));
     watch(c.poll_slots[1], c.server.value(), reads_down | writes(c.up, up()));
   }
   return sleep;
+}
+
+/// Reads and forgets; an end that closed is closed here too, which tells the other nothing.
+void swallow(Fd& end) {
+  std::array<char, kChunkBytes> lost;
+  const ssize_t count = ::recv(end.value(), lost.data(), lost.size(), MSG_DONTWAIT);
+  if (count > 0 || (count < 0 && (errno == EAGAIN || errno == EINTR))) return;
+  end = Fd{};
 }
 
 /// False when the connection is over.
@@ -310,6 +378,11 @@ bool Proxy::serve(Connection& c, TimePoint now) {
   };
   constexpr int kReadable = POLLIN | POLLHUP | POLLERR;
   const int client = ready(0), server = ready(1);
+  if (c.half_open) {
+    if ((client & kReadable) != 0) swallow(c.client);
+    if ((server & kReadable) != 0) swallow(c.server);
+    return c.client.valid() || c.server.valid();
+  }
   if ((client & kReadable) != 0 && c.up.wants_bytes(up())) {
     c.up.read_from(c.client.value(), up(), now, random_);
   }
@@ -322,6 +395,7 @@ bool Proxy::serve(Connection& c, TimePoint now) {
 }
 
 void Proxy::serve_round(TimePoint now) {
+  for (Lane& lane : lanes_) lane.follow(now);
   connections_.remove_if([&](Connection& c) { return !serve(c, now); });
   if ((polled_[1].revents & POLLIN) != 0) take_connection();
 }
@@ -334,7 +408,7 @@ void Proxy::take_connection() {
   ::setsockopt(client.value(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   Fd server = server_ ? connect_to(*server_) : Fd{};
   if (!server.valid()) return;  // closing the client's end says that nobody is there
-  connections_.push_back({std::move(client), std::move(server), {}, {}, {}});
+  connections_.push_back({std::move(client), std::move(server), {}, {}, false, {}});
 }
 
 }  // namespace

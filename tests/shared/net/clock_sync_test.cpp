@@ -123,6 +123,54 @@ TEST(ClockSync, KeepsTheLowestRoundTrip) {
   EXPECT_EQ(sync.estimate(at(milliseconds{300}))->server_minus_client, link.offset);
 }
 
+/// Errors in ms of an estimator that hears nothing for ten seconds after half a minute of exchanges.
+struct Silence {
+  double with_skew_ms = 0.0, without_skew_ms = 0.0;
+};
+Silence error_after_silence(double skew) {
+  std::mt19937_64 random(4);
+  const auto up_to = [&](std::int64_t ns) {
+    return Nanoseconds{static_cast<std::int64_t>(random() % std::uint64_t(ns))};
+  };
+  const Link link{seconds{77}, skew};
+  ClockSync sync;
+  ClientTime now = at(seconds{1});
+  Nanoseconds last_best{0};
+  for (int i = 0; i < 300; ++i) {
+    const Nanoseconds up = milliseconds{4} + up_to(2'000'000), down = milliseconds{4} + up_to(2'000'000);
+    sync.add(link.exchange(now, up, microseconds{30}, down));
+    last_best = sync.estimate(now)->server_minus_client;
+    now += milliseconds{100};
+  }
+  now += seconds{10};
+  const auto estimate = sync.estimate(now);
+  EXPECT_LE(std::chrono::abs(estimate->server_minus_client - link.true_offset(now)), estimate->bound);
+  return {units::to_ms(std::chrono::abs(estimate->server_minus_client - link.true_offset(now))),
+          units::to_ms(std::chrono::abs(last_best - link.true_offset(now)))};
+}
+
+// 200 ppm over ten silent seconds are 2 ms; the line through half a minute of samples knows them.
+TEST(ClockSync, CarriesTheOffsetOnBySkewWhereNoSampleComes) {
+  for (const double skew : {-200e-6, 0.0, 200e-6}) {
+    const Silence error = error_after_silence(skew);
+    EXPECT_LE(error.with_skew_ms, 0.5) << skew;
+    if (skew != 0.0) {
+      EXPECT_GE(error.without_skew_ms, 1.5) << "the must-fail twin: the last offset held";
+    }
+  }
+}
+
+// Two exchanges that hurried one way each: every one alone leaves 10 ms, together 2 ms.
+TEST(ClockSync, WhatAllSamplesAllowIsTighterThanAnyOne) {
+  const Link link{seconds{3}, 0.0};
+  ClockSync sync;
+  sync.add(link.exchange(at(milliseconds{0}), milliseconds{1}, {}, milliseconds{19}));
+  sync.add(link.exchange(at(milliseconds{30}), milliseconds{19}, {}, milliseconds{1}));
+  const auto estimate = sync.estimate(at(milliseconds{60}));
+  EXPECT_LE(estimate->bound, milliseconds{3});
+  EXPECT_LE(std::chrono::abs(estimate->server_minus_client - link.offset), estimate->bound);
+}
+
 TEST(ClockSync, ImpossibleSamplesAreRefusedAndCounted) {
   ClockSync sync;
   const ServerTime t{seconds{9}};
