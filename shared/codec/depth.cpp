@@ -1,11 +1,13 @@
 #include "shared/codec/depth.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
 #include "shared/base/text.h"
 #include "shared/codec/depth_simd.h"
+#include "shared/codec/depth_thinning.h"
 #include "shared/codec/packed.h"
 
 namespace macula::codec {
@@ -18,6 +20,7 @@ using base::concat;
 /// subnormals.
 constexpr float kSmallestScale = 1e-30F;
 constexpr float kResidualUnitsPerStep = 16.0F;
+constexpr std::array kDivisors{1, 2, 4, 8};
 
 /// By comparing bits: positive floats order as integers do, and integers have vector minima.
 float nearest_depth(std::span<const float> depth_m, float nearest_m) {
@@ -119,13 +122,8 @@ Result<void> check_plane(const image::Plane<float>& plane) {
                    "1 to 65535 a side");
 }
 
-}  // namespace
-
-Result<EncodedDepth> encode_depth(const image::Plane<float>& depth_m, const DepthOptions& options) {
-  const float nearest_m = options.nearest_m;
-  if (!(nearest_m >= 1e-6F && nearest_m <= 1e6F))
-    return bad_input(concat("nearest_m = ", nearest_m), "depth options", "1e-6 to 1e6 m");
-  if (auto ok = check_plane(depth_m); !ok) return base::forward(ok);
+/// At the plane's own resolution.
+EncodedDepth encode_whole(const image::Plane<float>& depth_m, float nearest_m) {
   EncodedDepth encoded;
   encoded.inverse_scale_per_m = choose_scale(depth_m, nearest_m);
   const Quantizer quantizer(encoded.inverse_scale_per_m);
@@ -134,12 +132,8 @@ Result<EncodedDepth> encode_depth(const image::Plane<float>& depth_m, const Dept
   return encoded;
 }
 
-Result<void> decode_depth(std::span<const std::byte> bytes, float inverse_scale_per_m,
+Result<void> decode_whole(std::span<const std::byte> bytes, float inverse_scale_per_m,
                           image::Plane<float>& inverse_depth) {
-  if (!(inverse_scale_per_m >= 0.0F && std::isfinite(inverse_scale_per_m)))
-    return bad_input(concat("scale ", inverse_scale_per_m, " per meter"), "depth slice",
-                     "a finite number, not negative");
-  if (auto ok = check_plane(inverse_depth); !ok) return ok;
   const auto filtered = unpack(bytes, {inverse_depth.width(), inverse_depth.height()},
                                2 * inverse_depth.size(), workspace().filtered);
   if (!filtered) return base::forward(filtered);
@@ -152,6 +146,53 @@ Result<void> decode_depth(std::span<const std::byte> bytes, float inverse_scale_
     std::transform(samples.begin(), samples.end(), inverse_depth.row(y).begin(),
                    [&](std::uint16_t sample) { return quantizer.inverse(sample); });
   }
+  return {};
+}
+
+/// Which of the divisors the bytes were thinned by; 1 for all that fit none, so that unpacking says
+/// what is wrong with them.
+int divisor_of(std::span<const std::byte> bytes, const image::Plane<float>& whole) {
+  const auto claimed = packed_size(bytes);
+  if (!claimed) return 1;
+  for (const int divisor : kDivisors) {
+    if (claimed->width == thinned(whole.width(), divisor) &&
+        claimed->height == thinned(whole.height(), divisor)) {
+      return divisor;
+    }
+  }
+  return 1;
+}
+
+}  // namespace
+
+Result<EncodedDepth> encode_depth(const image::Plane<float>& depth_m, const DepthOptions& options) {
+  const float nearest_m = options.nearest_m;
+  if (!(nearest_m >= 1e-6F && nearest_m <= 1e6F))
+    return bad_input(concat("nearest_m = ", nearest_m), "depth options", "1e-6 to 1e6 m");
+  if (std::find(kDivisors.begin(), kDivisors.end(), options.divisor) == kDivisors.end())
+    return bad_input(concat("divisor ", options.divisor), "depth options", "1, 2, 4 or 8");
+  if (auto ok = check_plane(depth_m); !ok) return base::forward(ok);
+  EncodedDepth encoded = options.divisor == 1
+                             ? encode_whole(depth_m, nearest_m)
+                             : encode_whole(thin(depth_m, options.divisor), nearest_m);
+  if (options.divisor > 1 || options.residual == DepthOptions::Residual::No) {
+    encoded.residual.clear();
+  }
+  return encoded;
+}
+
+Result<void> decode_depth(std::span<const std::byte> bytes, float inverse_scale_per_m,
+                          image::Plane<float>& inverse_depth) {
+  if (!(inverse_scale_per_m >= 0.0F && std::isfinite(inverse_scale_per_m)))
+    return bad_input(concat("scale ", inverse_scale_per_m, " per meter"), "depth slice",
+                     "a finite number, not negative");
+  if (auto ok = check_plane(inverse_depth); !ok) return ok;
+  const int divisor = divisor_of(bytes, inverse_depth);
+  if (divisor == 1) return decode_whole(bytes, inverse_scale_per_m, inverse_depth);
+  image::Plane<float> samples(thinned(inverse_depth.width(), divisor),
+                              thinned(inverse_depth.height(), divisor));
+  if (auto done = decode_whole(bytes, inverse_scale_per_m, samples); !done) return done;
+  spread(samples, divisor, inverse_depth);
   return {};
 }
 

@@ -86,6 +86,11 @@ std::vector<std::byte> pack(PackedSize size, std::span<const std::uint8_t> sampl
   return {packed.data(), packed.data() + kHeaderBytes + written};
 }
 
+std::optional<PackedSize> packed_size(std::span<const std::byte> bytes) {
+  if (bytes.size() < kHeaderBytes) return std::nullopt;
+  return size_of(bytes.first<kHeaderBytes>());
+}
+
 Result<std::span<const std::uint8_t>> unpack(std::span<const std::byte> bytes, PackedSize size,
                                              std::size_t count, Scratch<std::uint8_t>& memory) {
   static thread_local const Decompressor decompressor = make_decompressor();

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct PackedSize {
 };
 
 std::vector<std::byte> pack(PackedSize size, std::span<const std::uint8_t> samples);
+
+/// The size that packed bytes claim; nullopt when they are too few to claim any.
+std::optional<PackedSize> packed_size(std::span<const std::byte> bytes);
 
 /// Unpacks exactly `count` bytes into `memory`. What the bytes claim is compared with `size` and
 /// `count` before anything is allocated; an Error for every other kind of damage.

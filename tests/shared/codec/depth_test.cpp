@@ -222,5 +222,44 @@ TEST(DepthCodec, AZstdFrameThatClaimsGigabytesIsRefusedBeforeAllocating) {
   EXPECT_NE(refused.error().message().find("1099511627776"), std::string::npos);
 }
 
+// Inverse depth is affine on a plane, so bilinear samples of it are exact between them; beyond an
+// edge of depth a cell has one surface's depth or the other's, never one between.
+TEST(DepthCodec, ThinnedDepthIsRightOnAPlaneAndInventsNothingAtAnEdge) {
+  constexpr int kWidth = 61, kHeight = 43;
+  Plane<float> depth(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      depth(x, y) = x < 30 ? 1.0F / (0.4F + 0.002F * static_cast<float>(x + y)) : 10.0F;
+  std::size_t bytes = encode_depth(depth)->bytes.size();
+  for (const int divisor : {2, 4, 8}) {
+    DepthOptions options;
+    options.divisor = divisor;
+    const auto encoded = encode_depth(depth, options);
+    ASSERT_TRUE(encoded);
+    EXPECT_TRUE(encoded->residual.empty());
+    EXPECT_LT(encoded->bytes.size(), bytes);
+    bytes = encoded->bytes.size();
+    Plane<float> decoded(kWidth, kHeight);
+    ASSERT_TRUE(decode_depth(encoded->bytes, encoded->inverse_scale_per_m, decoded));
+    for (int y = divisor; y < kHeight - divisor; ++y) {
+      for (int x = divisor; x < kWidth; ++x) {
+        const float plane = 0.4F + 0.002F * static_cast<float>(x + y);
+        if (x < 30 - divisor) {
+          EXPECT_NEAR(decoded(x, y), plane, 1e-4F) << divisor << " " << x;
+        } else if (x > 30 + divisor) {
+          EXPECT_NEAR(decoded(x, y), 0.1F, 1e-4F) << divisor << " " << x;
+        }
+        EXPECT_TRUE(decoded(x, y) < 0.11F || decoded(x, y) > 0.39F) << divisor << " " << x;
+      }
+    }
+  }
+}
+
+TEST(DepthCodec, AnotherDivisorIsRefused) {
+  DepthOptions options;
+  options.divisor = 3;
+  EXPECT_FALSE(encode_depth(Plane<float>(8, 8), options));
+}
+
 }  // namespace
 }  // namespace macula::codec
