@@ -23,6 +23,7 @@ class Endpoint final : public ClientEndpoint {
   std::optional<ReceivedFrame> wait_frame(Nanoseconds timeout) override {
     return loop_->frames().wait(timeout);
   }
+  void request_key() override { loop_->request_key(); }
   std::optional<ClientEvent> take_event() override { return loop_->events().take(); }
   std::optional<ClockEstimate> clock() const override { return loop_->clock(); }
   ClientCounters counters() const override { return loop_->counters(); }

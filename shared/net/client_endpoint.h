@@ -68,9 +68,11 @@ class ClientEndpoint {
   /// Newest wins; acks are filled in on the way out. Dropped while not welcomed.
   virtual void publish(ViewState view) = 0;
   virtual void send(Message settings_or_bye) = 0;
-  /// The newest complete frame (older untaken ones are replaced when codec state allows: all frames
-  /// are key frames today), or nullopt after `timeout`.
+  /// The next complete frame, or nullopt after `timeout`. Untaken ones are replaced by a newer key
+  /// frame and kept before one that leans on them.
   virtual std::optional<ReceivedFrame> wait_frame(Nanoseconds timeout) = 0;
+  /// A frame could not be decoded: the server is asked for one that leans on no other.
+  virtual void request_key() = 0;
   virtual std::optional<ClientEvent> take_event() = 0;
   /// nullopt before the first Pong of this connection.
   virtual std::optional<ClockEstimate> clock() const = 0;

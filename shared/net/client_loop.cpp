@@ -149,6 +149,10 @@ void ClientLoop::take_outbox() {
     std::swap(taken, outbox_);
   }
   stopping_ = taken.stop;
+  if (taken.wants_key) {
+    assembler_.want_key();
+    ack_due_ = steady_now();
+  }
   for (Message& message : taken.messages) {
     if (const auto* const settings = std::get_if<Settings>(&message)) hello_.settings = *settings;
     if (welcome_ && messages_.size() < kMostMessages) messages_.push_back(std::move(message));
@@ -183,7 +187,7 @@ void ClientLoop::send_messages() {
 void ClientLoop::send_view() {
   if (!welcome_) view_.reset();
   if (!view_) return;
-  view_->acks = assembler_.acks();
+  view_->acks = acks_now();
   if (!offer(*view_)) return;
   view_.reset();
   ack_due_.reset();
@@ -195,9 +199,15 @@ void ClientLoop::send_acks() {
   if (!welcome_) return;
   const SteadyTime due = std::min(ack_due_.value_or(SteadyTime::max()), acked_ + kAckAgainAfter);
   if (steady_now() < due) return;
-  if (!offer(assembler_.acks())) return;
+  if (!offer(acks_now())) return;
   ack_due_.reset();
   acked_ = steady_now();
+}
+
+Acks ClientLoop::acks_now() const {
+  Acks acks = assembler_.acks();
+  if (const auto estimate = sync_.estimate(stamp())) acks.least_rtt = estimate->min_rtt;
+  return acks;
 }
 
 /// Between frames, so that neither Ping nor Pong shares the link with slices; on a link that is
@@ -248,6 +258,14 @@ void ClientLoop::publish_state() {
 void ClientLoop::emit(ClientEvent event) {
   // Nobody reads events: the oldest tell the story, the newest would repeat it.
   [[maybe_unused]] const bool kept = events_.put(std::move(event));
+}
+
+void ClientLoop::request_key() {
+  {
+    std::lock_guard lock(mutex_);
+    outbox_.wants_key = true;
+  }
+  wakeup_.signal();
 }
 
 void ClientLoop::stop() {

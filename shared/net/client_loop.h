@@ -12,6 +12,7 @@
 #include "shared/net/client_endpoint.h"
 #include "shared/net/client_link.h"
 #include "shared/net/frame_assembler.h"
+#include "shared/net/frame_queue.h"
 
 namespace macula::net {
 
@@ -28,7 +29,8 @@ class ClientLoop {
   void stop();
   void publish(ViewState view);
   void send(Message settings_or_bye);
-  base::Mailbox<ReceivedFrame>& frames() { return frames_; }
+  void request_key();
+  FrameQueue& frames() { return frames_; }
   base::Channel<ClientEvent>& events() { return events_; }
   std::optional<ClockEstimate> clock() const;
   ClientCounters counters() const;
@@ -42,6 +44,7 @@ class ClientLoop {
   struct Outbox {
     std::deque<DueView> views;
     std::vector<Message> messages;
+    bool wants_key = false;
     bool stop = false;
   };
 
@@ -62,6 +65,7 @@ class ClientLoop {
   void publish_state();
   /// True when the message left; otherwise it is to be offered again.
   bool offer(const Message& message);
+  Acks acks_now() const;
 
   void on_message(const Incoming& message, ClientTime received);
   void on(Welcome&& welcome);
@@ -114,7 +118,7 @@ class ClientLoop {
   std::chrono::milliseconds patience_;  ///< silence that ends a socket; doubles until a frame comes
 
   ClientCounters own_counters_;
-  base::Mailbox<ReceivedFrame> frames_;
+  FrameQueue frames_;
   base::Channel<ClientEvent> events_;
   mutable std::mutex mutex_;  ///< guards the three below
   Outbox outbox_;

@@ -170,7 +170,10 @@ void ClientLoop::on_step(FrameAssembler::Step step) {
   if (step != Step::Completed) return;
   ++own_counters_.frames;
   patience_ = kLeastPatience;
-  if (auto frame = assembler_.take()) frames_.put(std::move(*frame));
+  auto frame = assembler_.take();
+  if (frame && frames_.put(std::move(*frame)) == FrameQueue::Put::Overflowed) {
+    assembler_.want_key();
+  }
 }
 
 }  // namespace macula::net

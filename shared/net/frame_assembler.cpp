@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "shared/net/wire.h"
+
 namespace macula::net {
 
 void FrameAssembler::start_epoch(std::uint32_t epoch) {
@@ -9,6 +11,8 @@ void FrameAssembler::start_epoch(std::uint32_t epoch) {
   complete_.reset();
   acks_ = {};
   acks_.epoch = epoch;
+  grid_frame_ = 0;
+  grids_.clear();
 }
 
 FrameAssembler::Step FrameAssembler::begin(FrameBegin begin, ClientTime now) {
@@ -18,12 +22,31 @@ FrameAssembler::Step FrameAssembler::begin(FrameBegin begin, ClientTime now) {
   }
   acks_.receiving = begin.frame;
   acks_.receiving_bytes = 0;
+  if (!know_grids(begin)) return discard();
   next_slice_ = 0;
   arriving_.emplace();
   arriving_->payloads.resize(begin.slices.size());
   arriving_->begin = std::move(begin);
   arriving_->first_byte = now;
   return before;
+}
+
+bool FrameAssembler::know_grids(FrameBegin& begin) {
+  const bool brings = std::all_of(begin.views.begin(), begin.views.end(),
+                                  [](const FrameView& view) { return view.grid_frame == 0; });
+  if (brings) {
+    grids_.clear();
+    for (const FrameView& view : begin.views) grids_.push_back(view.grid);
+    grid_frame_ = begin.frame;
+    return true;
+  }
+  if (grids_.size() != begin.views.size()) return false;
+  for (std::size_t eye = 0; eye < grids_.size(); ++eye) {
+    if (begin.views[eye].grid_frame != grid_frame_) return false;
+    begin.views[eye].grid = grids_[eye];
+    begin.views[eye].grid_frame = 0;
+  }
+  return check_frame_begin(begin, limits_).has_value();
 }
 
 bool FrameAssembler::is_beyond(std::uint32_t epoch, std::uint64_t frame) const {
@@ -74,6 +97,7 @@ FrameAssembler::Step FrameAssembler::end(const FrameEnd& end, ClientTime now) {
   if (!all_slices_came()) return discard();
   arriving_->end = end;
   arriving_->last_byte = now;
+  if (arriving_->begin.is_key) acks_.need_key = false;
   complete_ = std::move(arriving_);
   arriving_.reset();
   acks_.received = end.frame;
@@ -85,6 +109,7 @@ FrameAssembler::Step FrameAssembler::discard() {
   acks_.received = std::max(acks_.received, acks_.receiving);
   acks_.receiving = acks_.receiving_bytes = 0;
   arriving_.reset();
+  want_key();
   ++incomplete_;
   return Step::Discarded;
 }

@@ -30,13 +30,17 @@ class FrameAssembler {
   /// anew.
   void start_epoch(std::uint32_t epoch);
 
-  /// `begin` has passed check_frame_begin.
+  /// `begin` has passed check_frame_begin. Grids that it leaves out are filled in; one that leans on
+  /// a grid that never came is discarded.
   Step begin(FrameBegin begin, ClientTime now);
   Step slice(const SliceHeader& header, std::span<const std::byte> bytes);
   Step end(const FrameEnd& end, ClientTime now);
 
   /// The rest of the frame now arriving will not come.
   Step give_up() { return arriving_ ? discard() : Step::Ignored; }
+
+  /// A frame is missing that later ones lean on: says so until a key frame is complete.
+  void want_key() { acks_.need_key = true; }
 
   /// The frame that the last Completed step finished.
   std::optional<ReceivedFrame> take();
@@ -50,6 +54,8 @@ class FrameAssembler {
   /// Whether `frame` is of this epoch and newer than all begun: its FrameBegin was refused.
   bool is_beyond(std::uint32_t epoch, std::uint64_t frame) const;
   Step skip_to(std::uint64_t frame);
+  /// Fills in what `begin` leaves out, and remembers what it brings.
+  bool know_grids(FrameBegin& begin);
   bool fits(const SliceHeader& header, std::size_t size) const;
   bool all_slices_came() const;
   Step discard();
@@ -59,6 +65,8 @@ class FrameAssembler {
   std::optional<ReceivedFrame> arriving_;
   std::size_t next_slice_ = 0;  ///< directory entry that the next bytes belong to
   std::optional<ReceivedFrame> complete_;
+  std::uint64_t grid_frame_ = 0;   ///< the last frame of this epoch that brought grids
+  std::vector<PixelGrid> grids_;   ///< its, by eye
   std::uint64_t incomplete_ = 0;
 };
 

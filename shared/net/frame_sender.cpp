@@ -60,8 +60,17 @@ SendOutcome FrameSender::send_next(Pending& pending, const Sink& sink) {
   return outcome;
 }
 
-std::string FrameSender::begin_envelope(Pending& pending) const {
-  FrameBegin& begin = pending.frame.begin;
+bool FrameSender::has_sent_grids_of(const FrameBegin& begin) const {
+  return begin.epoch == grids_epoch_ &&
+         std::equal(begin.views.begin(), begin.views.end(), grids_.begin(), grids_.end(),
+                    [](const FrameView& view, const PixelGrid& grid) { return view.grid == grid; });
+}
+
+std::string FrameSender::begin_envelope(const Pending& pending) const {
+  FrameBegin begin = pending.frame.begin;
+  if (has_sent_grids_of(begin)) {
+    for (FrameView& view : begin.views) view.grid_frame = grids_frame_;
+  }
   if (last_sent_ && last_sent_->epoch == begin.epoch) {
     begin.previous_frame = last_sent_->frame;
     begin.previous_send_begin = last_sent_->begin;
@@ -90,10 +99,17 @@ Outgoing FrameSender::next_message(Pending& pending) {
 }
 
 /// Past the message that was just sent.
-void FrameSender::advance(Pending& pending) const {
+void FrameSender::advance(Pending& pending) {
   const auto& payloads = pending.frame.payloads;
+  const FrameBegin& begin = pending.frame.begin;
   switch (pending.stage) {
     case Stage::Begin:
+      if (!has_sent_grids_of(begin)) {
+        grids_.clear();
+        for (const FrameView& view : begin.views) grids_.push_back(view.grid);
+        grids_epoch_ = begin.epoch;
+        grids_frame_ = begin.frame;
+      }
       pending.stage = payloads.empty() ? Stage::End : Stage::Slices;
       return;
     case Stage::Slices:
@@ -132,6 +148,7 @@ void FrameSender::lose_all(ServerTime now, std::vector<FrameSent>& ended) {
 }
 
 void FrameSender::acknowledged(const Acks& acks, SteadyTime now) {
+  if (acks.need_key) grids_.clear();  // what was lost may have brought them
   if (!last_sent_ || acks.epoch != last_sent_->epoch || acks.received != last_sent_->frame) return;
   const double bytes = static_cast<double>(std::exchange(last_sent_->bytes, 0));
   if (bytes < kSlowLinkPartBytes || !last_sent_->first_byte) return;

@@ -74,8 +74,9 @@ class FrameSender {
   bool is_due(Pending& pending, const Now& now, std::vector<FrameSent>& ended);
   SendOutcome send_next(Pending& pending, const Sink& sink);
   Outgoing next_message(Pending& pending);
-  std::string begin_envelope(Pending& pending) const;
-  void advance(Pending& pending) const;
+  std::string begin_envelope(const Pending& pending) const;
+  bool has_sent_grids_of(const FrameBegin& begin) const;
+  void advance(Pending& pending);
   void report(Pending& pending, ServerTime now, std::vector<FrameSent>& ended);
   void lose_front(ServerTime now, std::vector<FrameSent>& ended);
 
@@ -85,6 +86,10 @@ class FrameSender {
   std::deque<Pending> frames_;
   std::string envelope_;  ///< of the message now offered; empty when it must be made
   std::optional<Sent> last_sent_;
+  /// The grids that the peer has, of a frame of that epoch; a frame with the same leaves them out.
+  std::vector<PixelGrid> grids_;
+  std::uint32_t grids_epoch_ = 0;
+  std::uint64_t grids_frame_ = 0;
   std::uint32_t newest_epoch_ = 0;
   std::uint64_t newest_frame_ = 0;
   std::size_t part_bytes_ = kSlowLinkPartBytes;

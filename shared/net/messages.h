@@ -27,9 +27,9 @@ using ResumeToken = std::array<std::byte, 16>;
 
 struct Settings {
   std::uint32_t generation = 0;
-  std::string color_codec;          ///< "jpeg", "lossless", "" = the server's default
+  std::string color_codec{};        ///< "jpeg", "h264", "lossless", "" = the server's default
   int jpeg_quality = 0;             ///< 1..100, 0 = the server's default
-  std::string rate_model;           ///< a preset's name, "" = the server's default
+  std::string rate_model{};         ///< a preset's name, "" = the server's default
   double fovea_oversampling = 0.0;  ///< 1, 1.5, 2, ...; 0 = the server's default
 };
 
@@ -85,7 +85,8 @@ struct Acks {
   std::uint64_t received = 0;
   std::uint64_t receiving = 0;
   std::uint64_t receiving_bytes = 0;
-  bool need_key = false;
+  bool need_key = false;     ///< a frame was lost that later ones lean on
+  Nanoseconds least_rtt{0};  ///< of Pings lately; 0: not known yet
 };
 
 struct ViewState {
@@ -103,6 +104,8 @@ struct FrameView {
   Fov display_fov;
   Gaze gaze;
   PixelGrid grid;
+  /// On the wire only: the grid is left out, it is the one this earlier frame carried for this eye.
+  std::uint64_t grid_frame = 0;
   image::Tone tone;
   float depth_inverse_scale_per_m = 0.0F;    ///< a depth sample of 65535 means this inverse depth
   std::vector<std::uint8_t> depth_residual;  ///< per 8x8 block; see codec::DepthPlane
@@ -136,8 +139,8 @@ struct FrameBegin {
   std::string kernel, config;
   std::uint64_t seed = 0;
   std::vector<SliceEntry> slices;
-  bool is_key = true;
-  std::uint64_t reference_frame = 0;
+  bool is_key = true;                 ///< leans on no other frame
+  std::uint64_t reference_frame = 0;  ///< otherwise on this one, which must have been decoded
   std::vector<InstanceMotion> motions;
   Nanoseconds scene_time{0};  ///< what moves is shown at this moment of the scene's clock
   std::uint32_t settings_generation = 0;

@@ -38,6 +38,7 @@ Result<void> check_gaze(const Gaze& gaze, const std::string& where) {
 }
 
 Result<void> check_grid(const FrameView& view, const std::string& where, const Limits& limits) {
+  if (view.grid_frame != 0) return {};  // checked again once it is known
   const PixelGrid& grid = view.grid;
   if (!is_valid(grid)) {
     return bad_input("not a grid", where, "finite edges, strictly increasing, within +-1e3");
@@ -84,10 +85,11 @@ Result<void> check_slice(const SliceEntry& slice, const std::string& where,
   if (codec_is_depth != (slice.plane == PlaneKind::Depth)) {
     return bad_input("a codec of the other plane", where);
   }
+  const bool is_known = begin.views[slice.eye].grid_frame == 0;
   const PixelGrid& grid = begin.views[slice.eye].grid;
   const image::Rect& rect = slice.rect;
-  if (rect.x < 0 || rect.y < 0 || rect.width < 1 || rect.height < 1 ||
-      rect.width > grid.width() - rect.x || rect.height > grid.height() - rect.y) {
+  if (is_known && (rect.x < 0 || rect.y < 0 || rect.width < 1 || rect.height < 1 ||
+      rect.width > grid.width() - rect.x || rect.height > grid.height() - rect.y)) {
     return bad_input(concat(rect.width, "x", rect.height, "+", rect.x, "+", rect.y),
                      where + ".rect",
                      concat("inside the grid of ", grid.width(), "x", grid.height(), " cells"));
@@ -124,6 +126,7 @@ Result<void> check_views(const FrameBegin& begin, const Limits& limits) {
     const std::string where = concat("frame_begin.views[", i, "]");
     if (auto checked = check_view(begin.views[i], where, limits); !checked) return checked;
     const PixelGrid& grid = begin.views[i].grid;
+    if (begin.views[i].grid_frame != 0) continue;
     cells += static_cast<std::size_t>(grid.width()) * static_cast<std::size_t>(grid.height());
   }
   if (cells > limits.max_cells) {

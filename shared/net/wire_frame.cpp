@@ -11,7 +11,8 @@ void write_view(const FrameView& view, v1::FrameView& out) {
   write(view.stage_from_view, *out.mutable_stage_from_view());
   write(view.display_fov, *out.mutable_display_fov());
   write(view.gaze, *out.mutable_gaze());
-  write(view.grid, *out.mutable_grid());
+  if (view.grid_frame == 0) write(view.grid, *out.mutable_grid());
+  out.set_grid_frame(view.grid_frame);
   write(view.tone, *out.mutable_tone());
   out.set_depth_inverse_scale_per_m(view.depth_inverse_scale_per_m);
   out.set_depth_residual(view.depth_residual.data(), view.depth_residual.size());
@@ -24,7 +25,8 @@ Result<FrameView> read_view(const v1::FrameView& in) {
   view.stage_from_view = read(in.stage_from_view());
   view.display_fov = read(in.display_fov());
   view.gaze = read(in.gaze());
-  view.grid = read(in.grid());
+  view.grid_frame = in.grid_frame();
+  if (view.grid_frame == 0) view.grid = read(in.grid());
   view.tone = *tone;
   view.depth_inverse_scale_per_m = in.depth_inverse_scale_per_m();
   view.depth_residual.assign(in.depth_residual().begin(), in.depth_residual().end());

@@ -1,5 +1,7 @@
 #include <macula/v1/view.pb.h>
 
+#include <algorithm>
+
 #include "shared/base/text.h"
 #include "shared/net/wire_parts.h"
 
@@ -11,10 +13,15 @@ void write(const Acks& acks, v1::Acks& out) {
   out.set_receiving(acks.receiving);
   out.set_receiving_bytes(acks.receiving_bytes);
   out.set_need_key(acks.need_key);
+  out.set_least_rtt_ns(acks.least_rtt.count());
 }
 
 Acks read(const v1::Acks& in) {
-  return {in.epoch(), in.received(), in.receiving(), in.receiving_bytes(), in.need_key()};
+  // A round trip beyond ten seconds is a mistake or a lie; it then says nothing.
+  constexpr std::int64_t kMost_ns = 10'000'000'000;
+  const std::int64_t rtt_ns = in.least_rtt_ns();
+  return {in.epoch(),           in.received(), in.receiving(),
+          in.receiving_bytes(), in.need_key(), Nanoseconds{rtt_ns <= kMost_ns ? std::max<std::int64_t>(rtt_ns, 0) : 0}};
 }
 
 void write(const ViewState& view, v1::ViewState& out) {

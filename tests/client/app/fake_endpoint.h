@@ -31,6 +31,7 @@ class FakeEndpoint final : public net::ClientEndpoint {
   std::optional<net::ReceivedFrame> wait_frame(Nanoseconds timeout) override {
     return mailbox_.wait(timeout);
   }
+  void request_key() override {}
   std::optional<net::ClientEvent> take_event() override {
     std::lock_guard lock(mutex_);
     if (std::exchange(spoken_, true) || manner_ == Manner::NeverWelcomes) return std::nullopt;

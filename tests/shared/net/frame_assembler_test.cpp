@@ -167,5 +167,46 @@ TEST_F(Assembly, MemoryFollowsTheBytesThatCame) {
   EXPECT_EQ(assembler_.acks().receiving_bytes, 1000U);
 }
 
+TEST_F(Assembly, AGridLeftOutIsTheOneThatCameBefore) {
+  const auto whole = [&](std::uint64_t frame, std::uint64_t grid_frame) {
+    FrameBegin leaving_out = directory(frame);
+    const PixelGrid grid = leaving_out.views[0].grid;
+    leaving_out.views[0].grid_frame = grid_frame;
+    if (grid_frame != 0) leaving_out.views[0].grid = {};
+    if (assembler_.begin(leaving_out, ClientTime{1ms}) != Step::Advanced) return false;
+    slice(frame, 0, 0, 100);
+    slice(frame, 1, 0, 50);
+    end(frame);
+    const auto taken = assembler_.take();
+    return taken && taken->begin.views[0].grid == grid && taken->begin.views[0].grid_frame == 0;
+  };
+  EXPECT_TRUE(whole(1, 0));
+  EXPECT_TRUE(whole(2, 1));
+  EXPECT_FALSE(assembler_.acks().need_key);
+  EXPECT_FALSE(whole(3, 2)) << "frame 2 brought none";
+  EXPECT_TRUE(assembler_.acks().need_key);
+  EXPECT_EQ(assembler_.acks().received, 3U);
+}
+
+TEST_F(Assembly, AKeyIsNeededFromALossUntilAKeyFrameIsWhole) {
+  const auto whole = [&](std::uint64_t frame, bool is_key) {
+    FrameBegin begin = directory(frame);
+    begin.is_key = is_key;
+    assembler_.begin(begin, ClientTime{1ms});
+    slice(frame, 0, 0, 100);
+    slice(frame, 1, 0, 50);
+    end(frame);
+  };
+  whole(1, true);
+  EXPECT_FALSE(assembler_.acks().need_key);
+  begin(2);
+  assembler_.give_up();
+  EXPECT_TRUE(assembler_.acks().need_key);
+  whole(3, false);
+  EXPECT_TRUE(assembler_.acks().need_key);
+  whole(4, true);
+  EXPECT_FALSE(assembler_.acks().need_key);
+}
+
 }  // namespace
 }  // namespace macula::net

@@ -150,5 +150,27 @@ TEST_F(Sending, NobodyMayAcknowledgeAFrameThatWasNeverHandedOver) {
   EXPECT_FALSE(sender.may_acknowledge({1, 4, 5, 0, false}));
 }
 
+TEST_F(Sending, AGridThatRestsIsSentOnceAndAgainAfterALoss) {
+  FrameSender sender = make();
+  const auto grid_frame_of = [&](std::uint64_t frame) {
+    add(sender, frame, 10);
+    progress(sender, 0ms);
+    const auto& begin = std::get<FrameBegin>(wire_.envelopes[wire_.envelopes.size() - 3]);
+    EXPECT_EQ(begin.frame, frame);
+    EXPECT_EQ(begin.views[0].grid.x_edges.empty(), begin.views[0].grid_frame != 0);
+    return begin.views[0].grid_frame;
+  };
+  EXPECT_EQ(grid_frame_of(1), 0U);
+  EXPECT_EQ(grid_frame_of(2), 1U);
+  EXPECT_EQ(grid_frame_of(3), 1U);
+  Acks acks;
+  acks.epoch = 1;
+  acks.received = 3;
+  acks.need_key = true;
+  sender.acknowledged(acks, SteadyTime{1ms});
+  EXPECT_EQ(grid_frame_of(4), 0U);
+  EXPECT_EQ(grid_frame_of(5), 4U);
+}
+
 }  // namespace
 }  // namespace macula::net

@@ -1,0 +1,16 @@
+// CPU time of the calling thread: what work cost, however busy the machine was meanwhile.
+#pragma once
+
+#include <time.h>
+
+#include <chrono>
+
+namespace macula::base {
+
+inline std::chrono::nanoseconds thread_cpu_time() {
+  timespec used{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+  return std::chrono::seconds{used.tv_sec} + std::chrono::nanoseconds{used.tv_nsec};
+}
+
+}  // namespace macula::base

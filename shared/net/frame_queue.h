@@ -1,0 +1,34 @@
+// Complete frames on their way to the decoder. A key frame replaces all that wait, since nothing
+// leans on them any more; a frame that leans on others queues behind them, so that every one is
+// decoded in order. Bounded: a decoder that falls behind by kMost frames loses them all and has to
+// start from a key frame. Thread-safe.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+
+#include "shared/net/client_endpoint.h"
+
+namespace macula::net {
+
+class FrameQueue {
+ public:
+  static constexpr std::size_t kMost = 16;
+  enum class Put { Kept, Overflowed };
+
+  /// Overflowed: this frame and all that waited are dropped.
+  Put put(ReceivedFrame frame);
+  /// The oldest, or nullopt after `timeout` or close().
+  std::optional<ReceivedFrame> wait(Nanoseconds timeout);
+  void close();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable arrived_;
+  std::deque<ReceivedFrame> frames_;
+  bool closed_ = false;
+};
+
+}  // namespace macula::net
