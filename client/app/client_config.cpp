@@ -1,6 +1,7 @@
 #include "client/app/client_config.h"
 
 #include "shared/base/text.h"
+#include "shared/codec/h264.h"
 
 namespace macula::client_app {
 namespace {
@@ -79,6 +80,7 @@ net::Hello make_hello(const ClientConfig& config, const EyeRig& rig, double refr
   for (const EyeRig::Eye& eye : rig.eyes) hello.eyes.push_back(eye.display);
   hello.refresh_hz = refresh_hz;
   hello.codecs = {"jpeg", "lossless"};
+  if (codec::can_decode_h264()) hello.codecs.insert(hello.codecs.begin(), "h264");
   hello.settings = config.settings;
   return hello;
 }

@@ -25,15 +25,19 @@ FrameReceiver::~FrameReceiver() {
 }
 
 void FrameReceiver::work(const std::stop_token& stop) {
+  frames::FrameDecoder decoder(clock_, options_);
   constexpr Nanoseconds kPatience = std::chrono::milliseconds{20};
   while (!stop.stop_requested()) {
     auto received = endpoint_.wait_frame(kPatience);
     if (!received) continue;
     book_.note_begin(received->begin);
-    auto frame = frames::decode(std::move(*received), clock_, options_);
+    auto frame = decoder.decode(std::move(*received));
     if (frame) {
       store_.put(std::make_shared<const frames::DecodedFrame>(std::move(*frame)));
-    } else if (undecodable_++ == 0) {
+      continue;
+    }
+    endpoint_.request_key();
+    if (undecodable_++ == 0) {
       base::log_warning("a frame could not be decoded: " + frame.error().message());
     }
   }

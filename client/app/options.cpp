@@ -42,8 +42,8 @@ void add_server_options(CLI::App& app, Typed& typed) {
       ->check(within(0.1, 3600.0));
   app.add_option("--keys", typed.keys, "Key folder")->option_text("DIR ($XDG_CONFIG_HOME/macula)");
   app.add_option("--codec", typed.codec, "Colour codec to ask for")
-      ->option_text("jpeg|lossless")
-      ->check(CLI::IsMember({"jpeg", "lossless"}));
+      ->option_text("auto|jpeg|h264|lossless (the server's)")
+      ->check(CLI::IsMember({"auto", "jpeg", "h264", "lossless"}));
   app.add_option("--oversampling", typed.oversampling, "Cells per display pixel at the gaze")
       ->option_text("1|1.5|2|3|4")
       ->check(CLI::IsMember(std::vector<double>{1.0, 1.5, 2.0, 3.0, 4.0}));
@@ -195,7 +195,7 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   config.record_file = typed.record;
   config.repeat_trace = typed.loop ? ClientConfig::Repeat::Yes : ClientConfig::Repeat::No;
   config.frames = typed.frames;
-  config.settings.color_codec = typed.codec;
+  config.settings.color_codec = typed.codec == "auto" ? "" : typed.codec;
   config.settings.fovea_oversampling = typed.oversampling;
   config.settings.rate_model = typed.rate_model;
   const bool headless = config.display == DisplayKind::Headless;

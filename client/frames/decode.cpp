@@ -1,12 +1,14 @@
 #include "client/frames/decode.h"
 
 #include <algorithm>
+#include <numeric>
 #include <span>
 #include <string>
 #include <thread>
 #include <utility>
 
 #include "client/frames/for_each_eye.h"
+#include "shared/base/cpu_time.h"
 #include "shared/base/text.h"
 #include "shared/codec/color.h"
 #include "shared/codec/depth.h"
@@ -21,15 +23,30 @@ bool is_inside(const image::Rect& rect, int width, int height) {
          rect.width <= width - rect.x && rect.height <= height - rect.y;
 }
 
-Result<void> decode_color_slice(const net::SliceEntry& slice, Bytes bytes, DecodedEye& eye) {
+using H264 = std::unique_ptr<codec::H264Decoder>;
+
+/// `decoder` is made when the first slice needs it.
+Result<void> decode_h264(const net::SliceEntry& slice, Bytes bytes, H264& decoder, DecodedEye& eye) {
+  if (!decoder) {
+    auto made = codec::H264Decoder::create();
+    if (!made) return base::forward(made);
+    decoder = std::move(*made);
+  }
+  return decoder->decode(bytes, slice.rect, eye.color);
+}
+
+Result<void> decode_color_slice(const net::SliceEntry& slice, Bytes bytes, H264& h264,
+                                DecodedEye& eye) {
   switch (slice.codec) {
     case net::SliceCodec::Jpeg:
       return codec::decode_color(bytes, codec::ColorCodec::Jpeg, slice.rect, eye.color);
     case net::SliceCodec::Lossless:
       return codec::decode_color(bytes, codec::ColorCodec::Lossless, slice.rect, eye.color);
+    case net::SliceCodec::H264:
+      return decode_h264(slice, bytes, h264, eye);
     default:
       return base::bad_input("colour comes in a codec this client cannot decode", {},
-                             "jpeg or lossless");
+                             "jpeg, h264 or lossless");
   }
 }
 
@@ -50,13 +67,13 @@ Result<void> decode_depth_slice(const net::SliceEntry& slice, Bytes bytes,
 }
 
 Result<void> decode_slice(const net::SliceEntry& slice, Bytes bytes, const net::FrameView& view,
-                          DecodedEye& eye) {
+                          H264& h264, DecodedEye& eye) {
   if (!is_inside(slice.rect, eye.color.width(), eye.color.height())) {
     return base::bad_input("its rectangle leaves the grid", {},
                            "a rectangle inside the eye's grid");
   }
   return slice.plane == net::PlaneKind::Color
-             ? decode_color_slice(slice, bytes, eye)
+             ? decode_color_slice(slice, bytes, h264, eye)
              : decode_depth_slice(slice, bytes, view.depth_inverse_scale_per_m, eye);
 }
 
@@ -65,7 +82,8 @@ std::string place(const net::FrameBegin& begin, std::size_t slice) {
 }
 
 /// One eye from its slices; the error of the first that fails.
-Result<DecodedEye> decode_eye(const net::ReceivedFrame& received, std::size_t eye_index) {
+Result<DecodedEye> decode_eye(const net::ReceivedFrame& received, std::size_t eye_index,
+                              H264& h264) {
   const net::FrameBegin& begin = received.begin;
   const net::FrameView& view = begin.views[eye_index];
   const int width = view.grid.width(), height = view.grid.height();
@@ -74,7 +92,7 @@ Result<DecodedEye> decode_eye(const net::ReceivedFrame& received, std::size_t ey
   for (std::size_t i = 0; i < begin.slices.size(); ++i) {
     const net::SliceEntry& slice = begin.slices[i];
     if (slice.eye != eye_index || slice.layer != 0) continue;
-    if (auto done = decode_slice(slice, received.payloads[i], view, eye); !done) {
+    if (auto done = decode_slice(slice, received.payloads[i], view, h264, eye); !done) {
       Error error = done.error();
       error.where = place(begin, i);
       return tl::unexpected(std::move(error));
@@ -99,28 +117,45 @@ std::uint64_t payload_bytes(const net::ReceivedFrame& received) {
 
 }  // namespace
 
-Result<DecodedFrame> decode(net::ReceivedFrame received, const base::Clock& clock,
-                            const DecodeOptions& options) {
-  if (received.payloads.size() != received.begin.slices.size()) {
-    return base::bad_input(base::concat(received.payloads.size(), " payloads for ",
-                                        received.begin.slices.size(), " slices"),
-                           base::concat("frame ", received.begin.frame), "one payload a slice");
+Result<void> FrameDecoder::check_reference(const net::FrameBegin& begin) const {
+  const FrameId needed{begin.epoch, begin.reference_frame};
+  if (begin.is_key || last_ == needed) return {};
+  return base::bad_input(base::concat("it leans on frame ", needed.frame, ", which was not decoded"),
+                         base::concat("frame ", begin.frame), "a key frame first");
+}
+
+Result<DecodedFrame> FrameDecoder::decode(net::ReceivedFrame received) {
+  const net::FrameBegin& begin = received.begin;
+  if (received.payloads.size() != begin.slices.size()) {
+    return base::bad_input(
+        base::concat(received.payloads.size(), " payloads for ", begin.slices.size(), " slices"),
+        base::concat("frame ", begin.frame), "one payload a slice");
   }
-  std::vector<Result<DecodedEye>> eyes(received.begin.views.size());
-  for_each_eye(eyes.size(), [&](std::size_t eye) { eyes[eye] = decode_eye(received, eye); });
-  if (options.delay > Nanoseconds{0}) std::this_thread::sleep_for(options.delay);
+  if (auto known = check_reference(begin); !known) return base::forward(known);
+  last_.reset();  // until all of this one is there
+  std::vector<Result<DecodedEye>> eyes(begin.views.size());
+  std::vector<Nanoseconds> cpu(eyes.size());
+  h264_.resize(eyes.size());
+  for_each_eye(eyes.size(), [&](std::size_t eye) {
+    const Nanoseconds before = base::thread_cpu_time();
+    eyes[eye] = decode_eye(received, eye, h264_[eye]);
+    cpu[eye] = base::thread_cpu_time() - before;
+  });
+  if (options_.delay > Nanoseconds{0}) std::this_thread::sleep_for(options_.delay);
 
   DecodedFrame frame;
   for (auto& eye : eyes) {
     if (!eye) return base::forward(eye);
     frame.eyes.push_back(std::move(*eye));
   }
+  last_ = FrameId{begin.epoch, begin.frame};
+  frame.cpu = std::accumulate(cpu.begin(), cpu.end(), Nanoseconds{0});
   frame.bytes = payload_bytes(received);
   frame.begin = std::move(received.begin);
   frame.end = received.end;
   frame.first_byte = received.first_byte;
   frame.last_byte = received.last_byte;
-  frame.decoded = ClientTime{clock.now()};
+  frame.decoded = ClientTime{clock_.now()};
   return frame;
 }
 

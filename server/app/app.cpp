@@ -93,6 +93,7 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   config.rules.longest_horizon = units::from_ms(options.predict_ms);
   if (options.predict_ms > 0.0) config.rules.most_guard_band = Degrees{15.0};
   config.jpeg_quality = options.quality;
+  if (options.age_ms > 0.0) config.age_goal = units::from_ms(options.age_ms);
   if (options.target_ms) config.target_frame_time = units::from_ms(*options.target_ms);
   Options told = options;
   told.keys.clear();  // travels in frames; where keys lie is nobody's business

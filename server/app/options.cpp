@@ -6,6 +6,7 @@
 
 #include "server/app/settings_file.h"
 #include "shared/base/text.h"
+#include "shared/codec/h264.h"
 #include "shared/foveation/rate.h"
 #include "shared/net/pairing_socket.h"
 
@@ -50,8 +51,16 @@ void declare(CLI::App& app, Options& options) {
                  "Render at most this far ahead of the head, for as long as frames take, 0 to 200; "
                  "0 also keeps the guard band as it is set")
       ->capture_default_str();
-  app.add_option("--codec", options.codec, "Colour: jpeg or lossless")->capture_default_str();
-  app.add_option("--quality", options.quality, "JPEG quality, 1 to 100")->capture_default_str();
+  app.add_option("--age-ms", options.age_ms,
+                 "How old a frame may be when it is shown: slower links get fewer bytes, ms; 0 = "
+                 "full quality on any link")
+      ->capture_default_str();
+  app.add_option("--codec", options.codec,
+                 "Colour: auto (the best both ends know), jpeg, h264 or lossless")
+      ->capture_default_str();
+  app.add_option("--quality", options.quality,
+                 "Quality of colour on JPEG's scale, 1 to 100; H.264's quantiser is 56 - 0.4 of it")
+      ->capture_default_str();
   app.add_option("--area-samples", options.area_samples,
                  "Samples of emissive surfaces a primary sample")
       ->capture_default_str();
@@ -144,9 +153,14 @@ Result<void> check_options(const Options& o) {
   if (!(o.guard_deg >= 0.0 && o.guard_deg <= 15.0))
     return base::bad_input(base::concat("is ", o.guard_deg), "--guard-deg", "0 to 15");
   if (auto ok = in_range("--predict-ms", o.predict_ms, 0.0, 200.0); !ok) return ok;
-  if (o.codec != "jpeg" && o.codec != "lossless")
+  if (o.age_ms != 0.0)
+    if (auto ok = in_range("--age-ms", o.age_ms, 20.0, 10'000.0); !ok) return ok;
+  if (o.codec != "auto" && o.codec != "jpeg" && o.codec != "h264" && o.codec != "lossless")
     return base::bad_input(base::concat("unknown codec '", o.codec, "'"), "--codec",
-                           "jpeg, lossless");
+                           "auto, jpeg, h264, lossless");
+  if (o.codec == "h264" && !codec::can_encode_h264())
+    return base::bad_input("this build cannot encode h264", "--codec",
+                           "auto, jpeg, lossless; or build with -DMACULA_H264=ON");
   if (o.oversampling != 1.5 && !(o.oversampling >= 1.0 && o.oversampling <= 4.0 &&
                                  o.oversampling == std::floor(o.oversampling)))
     return base::bad_input(base::concat("is ", o.oversampling), "--oversampling",
@@ -164,7 +178,7 @@ std::string describe(const Options& o) {
   if (o.target_ms) text << "target_ms = " << *o.target_ms << '\n';
   text << "rate_model = " << quoted(o.rate_model) << "\noversampling = " << o.oversampling
        << "\nguard_deg = " << o.guard_deg << "\npredict_ms = " << o.predict_ms
-       << "\nquality = " << o.quality << "\ncodec = " << quoted(o.codec)
+       << "\nage_ms = " << o.age_ms << "\nquality = " << o.quality << "\ncodec = " << quoted(o.codec)
        << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
        << "\nthreads = " << o.threads << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")

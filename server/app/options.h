@@ -21,8 +21,9 @@ struct Options {
   double oversampling = 1.0;   ///< cells per display pixel at the gaze
   double guard_deg = 4.0;      ///< rendered beyond the display on every side, 0..15
   double predict_ms = 0.0;     ///< how far ahead of a view's head frames may be rendered; 0: not
-  int quality = 85;            ///< JPEG, 1..100
-  std::string codec = "jpeg";  ///< jpeg or lossless
+  double age_ms = 100.0;       ///< how old frames may be shown on a slow link; 0: any age
+  int quality = 85;            ///< of colour on JPEG's scale, 1..100
+  std::string codec = "auto";  ///< auto, jpeg, h264 or lossless
   int area_samples = 8;        ///< per primary sample, over all emissive triangles
   int ambient_samples = 4;     ///< per primary sample
   int threads = 0;             ///< 0: every core

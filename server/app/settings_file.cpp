@@ -67,6 +67,7 @@ constexpr std::array kKeys{
     Key{"oversampling", apply<&Options::oversampling>},
     Key{"guard_deg", apply<&Options::guard_deg>},
     Key{"predict_ms", apply<&Options::predict_ms>},
+    Key{"age_ms", apply<&Options::age_ms>},
     Key{"quality", apply<&Options::quality>},
     Key{"codec", apply<&Options::codec>},
     Key{"area_samples", apply<&Options::area_samples>},

@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "server/session/governor.h"
+#include "shared/foveation/gaze_follower.h"
 #include "shared/net/messages.h"
 #include "shared/net/server_endpoint.h"
 
@@ -38,6 +40,9 @@ struct StartFrame {
   std::shared_ptr<const ClientSetup> setup;
   Nanoseconds horizon{0};   ///< how far the view's head was carried on from where it was read
   Degrees guard_band{0.0};  ///< the least to render beyond the display
+  std::vector<FollowedGaze> gazes{};  ///< by eye, for when the frame is seen; empty: as the view says
+  Quality quality{};
+  bool is_key_wanted = false;  ///< colour must lean on no other frame
 };
 struct SendWelcome {
   net::PeerId peer;

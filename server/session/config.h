@@ -8,6 +8,8 @@
 
 #include "server/session/hello.h"
 #include "server/session/rules.h"
+#include "shared/codec/h264.h"
+#include "shared/codec/quantiser_offsets.h"
 #include "shared/foveation/rate.h"
 #include "shared/image/tone.h"
 #include "shared/math/pose.h"
@@ -39,12 +41,20 @@ struct ServerConfig {
   SessionRules rules;
   ServerOffer offer;
   ViewPolicy views;
-  int jpeg_quality = 85;                         ///< 1..100
+  int jpeg_quality = 85;  ///< 1..100; for H.264 the quantiser is h264_quantiser(this)
+  codec::H264Options h264;
+  codec::FovealQuantiser quantiser_range;  ///< of H.264 over the picture
   std::optional<Nanoseconds> target_frame_time;  ///< of rendering; nullopt: full quality always
+  std::optional<Nanoseconds> age_goal;  ///< of shown frames; nullopt: full quality on any link
   std::uint64_t seed = 1;                        ///< of every frame's samples
   int encode_threads = 2;   ///< eyes are encoded side by side where a core is idle
   std::string description;  ///< travels in every frame: what it was made with
   StageDelays delays;
 };
+
+/// x264's rate factor of a quality on JPEG's scale: 22 at 85, 16 at 100, 36 at 50.
+inline double h264_quantiser(int quality) {
+  return 56.0 - 0.4 * quality;
+}
 
 }  // namespace macula::session

@@ -1,9 +1,12 @@
 #include "server/session/encode_stage.h"
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <thread>
 #include <utility>
 
+#include "shared/base/cpu_time.h"
 #include "shared/image/tone.h"
 
 namespace macula::session {
@@ -39,21 +42,89 @@ net::FrameEnd frame_end(const FrameJob& job) {
 
 }  // namespace
 
-codec::ColorOptions EncodeStage::color_options(const net::Settings& wish) const {
-  codec::ColorOptions options;
-  options.codec =
-      wish.color_codec == "lossless" ? codec::ColorCodec::Lossless : codec::ColorCodec::Jpeg;
-  options.jpeg_quality = wish.jpeg_quality != 0 ? wish.jpeg_quality : config_.jpeg_quality;
-  return options;
+EncodeStage::Plan EncodeStage::plan(const FrameJob& job) const {
+  const net::Settings& wish = job.start.setup->settings;
+  const Quality& quality = job.start.quality;
+  const EncodeMemory& memory = *job.encode_memory;
+  const int asked = wish.jpeg_quality != 0 ? wish.jpeg_quality : config_.jpeg_quality;
+  Plan plan;
+  plan.sees_saccade = std::any_of(
+      job.start.gazes.begin(), job.start.gazes.end(),
+      [](const FollowedGaze& gaze) { return gaze.phase == foveation::GazePhase::Saccade; });
+  if (wish.color_codec == "lossless") {
+    plan.codec = net::SliceCodec::Lossless;
+  } else if (wish.color_codec == "h264" && quality.color == Quality::Color::AsAgreed) {
+    plan.codec = net::SliceCodec::H264;
+  }
+  const bool is_bound = quality.bytes.color_bytes > 0 && memory.jpeg_quality > 0.0;
+  plan.jpeg_quality = is_bound ? static_cast<int>(std::lround(memory.jpeg_quality)) : asked;
+  using Wish = codec::H264Encoder::FrameWish;
+  // What a saccade leaves unseen is spent where it lands.
+  constexpr double kSaccadeQuantiser = 6.0;
+  const bool landed = memory.was_saccade && !plan.sees_saccade;
+  const bool starts = memory.last_frame == 0 || job.start.is_key_wanted;
+  plan.h264.kind = starts ? codec::H264Encoder::Kind::Key : codec::H264Encoder::Kind::Delta;
+  plan.h264.quantiser = std::clamp(
+      h264_quantiser(asked) + (plan.sees_saccade ? kSaccadeQuantiser : 0.0), 0.0, 51.0);
+  plan.h264.most_bytes = quality.bytes.color_bytes / std::max<std::size_t>(job.views.size(), 1);
+  plan.h264.burst = landed ? Wish::Burst::Yes : Wish::Burst::No;
+  plan.h264.now = job.start.view_received.time_since_epoch();
+  return plan;
 }
 
-void EncodeStage::encode_eye(const FrameJob& job, std::size_t index) {
+void EncodeStage::encode_h264(const FrameJob& job, const Plan& plan, std::size_t index) {
+  Eye& eye = eyes_[index];
+  EncodeMemory::Eye& memory = job.encode_memory->eyes[index];
+  const kernels::View& view = job.views[index];
+  if (!memory.h264) {
+    auto made = codec::H264Encoder::create(config_.h264);
+    if (!made) {
+      eye.color = base::forward(made);
+      return;
+    }
+    memory.h264 = std::move(*made);
+  }
+  codec::H264Encoder::FrameWish wish = plan.h264;
+  if (memory.grid != view.grid) wish.burst = codec::H264Encoder::FrameWish::Burst::Yes;
+  memory.grid = view.grid;
+  const std::vector<float> offsets =
+      codec::quantiser_offsets(view.grid, view.gaze, job.rate_model, config_.quantiser_range);
+  wish.quantiser_offsets = offsets;
+  auto coded = memory.h264->encode(eye.tone_mapped, wish);
+  if (!coded) {
+    eye.color = base::forward(coded);
+    return;
+  }
+  eye.is_key = coded->kind == codec::H264Encoder::Kind::Key;
+  eye.color = std::move(coded->bytes);
+}
+
+void EncodeStage::encode_color(const FrameJob& job, const Plan& plan, std::size_t index) {
+  Eye& eye = eyes_[index];
+  eye.is_key = true;
+  if (plan.codec == net::SliceCodec::H264) {
+    encode_h264(job, plan, index);
+    return;
+  }
+  codec::ColorOptions options;
+  options.codec = plan.codec == net::SliceCodec::Lossless ? codec::ColorCodec::Lossless
+                                                          : codec::ColorCodec::Jpeg;
+  options.jpeg_quality = plan.jpeg_quality;
+  eye.color = codec::encode_color(eye.tone_mapped, eye.tone_mapped.rect(), options);
+}
+
+void EncodeStage::encode_eye(const FrameJob& job, const Plan& plan, std::size_t index) {
+  const Nanoseconds before = base::thread_cpu_time();
   const kernels::ViewBuffers& rendered = job.buffers.views[index];
   Eye& eye = eyes_[index];
   image::encode(job.views[index].tone, rendered.radiance, eye.tone_mapped);
-  eye.color = codec::encode_color(eye.tone_mapped, eye.tone_mapped.rect(),
-                                  color_options(job.start.setup->settings));
-  eye.depth = codec::encode_depth(rendered.depth_m);
+  encode_color(job, plan, index);
+  codec::DepthOptions depth;
+  depth.divisor = job.start.quality.bytes.depth_divisor;
+  // A link that bounds bytes does not carry what no client reads yet.
+  if (job.start.quality.bytes.color_bytes > 0) depth.residual = codec::DepthOptions::Residual::No;
+  eye.depth = codec::encode_depth(rendered.depth_m, depth);
+  eye.cpu = base::thread_cpu_time() - before;
 }
 
 net::FrameBegin EncodeStage::frame_begin(const FrameJob& job) const {
@@ -75,7 +146,8 @@ net::FrameBegin EncodeStage::frame_begin(const FrameJob& job) const {
   return begin;
 }
 
-void EncodeStage::append_eye(const FrameJob& job, std::size_t index, net::EncodedFrame& frame) {
+void EncodeStage::append_eye(const FrameJob& job, const Plan& plan, std::size_t index,
+                             net::EncodedFrame& frame) {
   Eye& eye = eyes_[index];
   const net::EyeState& state = job.start.view.eyes[index];
   net::FrameView view;
@@ -88,30 +160,63 @@ void EncodeStage::append_eye(const FrameJob& job, std::size_t index, net::Encode
   view.depth_residual = std::move(eye.depth->residual);
   frame.begin.views.push_back(std::move(view));
 
-  const bool lossless =
-      color_options(job.start.setup->settings).codec == codec::ColorCodec::Lossless;
   const image::Rect rect = eye.tone_mapped.rect();
-  frame.begin.slices.push_back(slice(index, net::PlaneKind::Color,
-                                     lossless ? net::SliceCodec::Lossless : net::SliceCodec::Jpeg,
-                                     rect, eye.color->size()));
+  frame.begin.slices.push_back(
+      slice(index, net::PlaneKind::Color, plan.codec, rect, eye.color->size()));
   frame.payloads.push_back(as_payload(std::move(*eye.color)));
   frame.begin.slices.push_back(slice(index, net::PlaneKind::Depth, net::SliceCodec::InverseDepth,
                                      rect, eye.depth->bytes.size()));
   frame.payloads.push_back(as_payload(std::move(eye.depth->bytes)));
 }
 
+/// The quality that would have met the bytes; JPEG's bytes double in about 20 steps.
+double next_jpeg_quality(double quality, double bytes, double wanted) {
+  constexpr double kStepsPerDouble = 20.0, kMostUp = 5.0, kMostDown = 25.0, kLeast = 10.0;
+  const double off = kStepsPerDouble * std::log2(wanted / std::max(bytes, 1.0));
+  return std::max(quality + std::clamp(off, -kMostDown, kMostUp), kLeast);
+}
+
+void EncodeStage::remember(FrameJob& job, const Plan& plan, net::FrameBegin& begin) {
+  EncodeMemory& memory = *job.encode_memory;
+  job.encode_cpu = Nanoseconds{0};
+  job.encoded = {};
+  for (std::size_t i = 0; i < eyes_.size(); ++i) {
+    job.encode_cpu += eyes_[i].cpu;
+    job.encoded.color_bytes += eyes_[i].color->size();
+    job.encoded.depth_bytes += eyes_[i].depth->bytes.size();
+  }
+  job.encoded.cells = job.cells;
+  job.encoded.depth_divisor = job.start.quality.bytes.depth_divisor;
+  begin.is_key = std::all_of(eyes_.begin(), eyes_.end(), [](const Eye& eye) { return eye.is_key; });
+  begin.reference_frame = begin.is_key ? 0 : memory.last_frame;
+  memory.last_frame = plan.codec == net::SliceCodec::H264 ? begin.frame : 0;
+  memory.was_saccade = plan.sees_saccade;
+  const auto bound = static_cast<double>(job.start.quality.bytes.color_bytes);
+  const auto most = static_cast<double>(config_.jpeg_quality);
+  memory.jpeg_quality =
+      bound > 0.0 ? std::min(next_jpeg_quality(plan.jpeg_quality,
+                                               static_cast<double>(job.encoded.color_bytes), bound),
+                             most)
+                  : 0.0;
+}
+
 Result<net::EncodedFrame> EncodeStage::encode(FrameJob& job) {
   eyes_.resize(job.views.size());
-  threads_.run(job.views.size(), [&](std::size_t index) { encode_eye(job, index); });
+  job.encode_memory->eyes.resize(job.views.size());
+  const Plan common = plan(job);
+  threads_.run(job.views.size(), [&](std::size_t index) { encode_eye(job, common, index); });
   for (const Eye& eye : eyes_) {
-    if (!eye.color) return base::forward(eye.color);
-    if (!eye.depth) return base::forward(eye.depth);
+    if (eye.color && eye.depth) continue;
+    job.encode_memory->last_frame = 0;  // some eye has gone on without the others
+    return eye.color ? tl::unexpected(eye.depth.error()) : tl::unexpected(eye.color.error());
   }
   net::EncodedFrame frame;
   frame.begin = frame_begin(job);
-  for (std::size_t index = 0; index < eyes_.size(); ++index) append_eye(job, index, frame);
+  remember(job, common, frame.begin);
+  for (std::size_t index = 0; index < eyes_.size(); ++index) append_eye(job, common, index, frame);
   std::this_thread::sleep_for(config_.delays.encode);
   job.encode_end = ServerTime{clock_.now()};
+  job.encoded.work = job.encode_end - job.start.view_received;
   frame.end = frame_end(job);
   return frame;
 }

@@ -2,12 +2,13 @@
 // the other encodes; their buffers keep their memory. Owned by one stage at a time.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "server/kernels/frame_buffers.h"
 #include "server/kernels/kernel.h"
 #include "server/session/actions.h"
-#include "server/session/governor.h"
+#include "server/session/encode_memory.h"
 #include "server/session/view_builder.h"
 
 namespace macula::session {
@@ -17,20 +18,25 @@ struct RenderMemory {
   std::uint32_t epoch = 0;
   kernels::History history;
   GazeFilters gaze;
-  Governor governor;
+  /// The encode thread's own; nobody else looks inside.
+  std::shared_ptr<EncodeMemory> encode = std::make_shared<EncodeMemory>();
 };
 
 struct FrameJob {
   StartFrame start;
+  std::shared_ptr<EncodeMemory> encode_memory;
   std::vector<kernels::View> views;
   kernels::FrameBuffers buffers;
   kernels::FrameReport report;
   std::size_t cells = 0;
+  foveation::RateModel rate_model;
   Degrees guard_band{0.0};
   double scale = 1.0;  ///< of the nominal display, by the governor
   kernels::SceneTime scene_time;
   /// render_end is encode_begin: waiting for the encoder belongs to the encode stage.
   ServerTime render_begin{}, render_end{}, encode_end{};
+  EncodedSize encoded;
+  Nanoseconds encode_cpu{0};  ///< over all eyes
 };
 
 }  // namespace macula::session

@@ -1,34 +1,41 @@
-// The one place that turns a frame-time budget into quality: a linear scale of the periphery's
-// resolution and of the disc that keeps full resolution around the gaze, so that cells, and with
-// them the cost of a frame, go with its square. Proportional control on smoothed render times with
-// a dead band; without a target it always answers 1. One per session, pure.
+// The governor: the one place that turns a time and a byte budget into quality. One per epoch of a
+// session, pure, not thread-safe.
 #pragma once
 
-#include <optional>
-
-#include "shared/units/time.h"
+#include "server/session/byte_budget.h"
+#include "server/session/time_budget.h"
 
 namespace macula::session {
 
+struct Goals {
+  std::optional<Nanoseconds> frame_time;  ///< of rendering
+  std::optional<Nanoseconds> age;         ///< of what the client shows
+};
+
+/// How a frame is to be made.
+struct Quality {
+  double scale = 1.0;  ///< of the periphery's resolution and the disc of full rate, by both budgets
+  BytePlan bytes;
+  /// Colour leans on no other frame: for a link that loses too many.
+  enum class Color { AsAgreed, Stateless };
+  Color color = Color::AsAgreed;
+};
+
 class Governor {
  public:
-  static constexpr double kLeastScale = 0.4;
+  explicit Governor(const Goals& goals = {}) : time_(goals.frame_time), bytes_(goals.age) {}
 
-  /// nullopt: off.
-  explicit Governor(std::optional<Nanoseconds> target = std::nullopt) : target_(target) {}
-
-  /// Scale of the nominal display's width and height for the next frame, in [kLeastScale, 1], in
-  /// steps of 1/20.
-  double scale() const;
-  /// A frame begun at scale() took `render`.
-  void on_frame(Nanoseconds render);
+  Quality plan(const LinkState& link, ServerTime now);
+  void on_rendered(Nanoseconds render) { time_.on_frame(render); }
+  void on_encoded(const EncodedSize& size) { bytes_.on_encoded(size); }
+  /// The client lost a frame that others lean on.
+  void on_key_wanted(ServerTime now);
 
  private:
-  static constexpr int kSteps = 20;
-  std::optional<Nanoseconds> target_;
-  int step_ = kSteps;  ///< scale() = step_ / kSteps
-  double smoothed_ms_ = 0.0;
-  int frames_at_step_ = 0;
+  TimeBudget time_;
+  ByteBudget bytes_;
+  int keys_lately_ = 0;
+  ServerTime keys_since_{}, stateless_until_{};
 };
 
 }  // namespace macula::session

@@ -32,12 +32,12 @@ class HeadForecast {
   /// Whole steps of 2 degrees, at most rules.most_guard_band; falls slowly, so that the grid rests.
   Degrees guard_band(const net::ViewState& view, ServerTime now);
 
+  /// From reading the head of `view` to showing its frame, by the last frames; 0: not known yet.
+  Nanoseconds age(const net::ViewState& view) const;
   /// From a view's arrival to its frame's acknowledgement, smoothed.
   std::optional<Nanoseconds> latency() const { return latency_; }
 
  private:
-  Nanoseconds age(const net::ViewState& view) const;
-
   struct Started {
     std::uint64_t frame = 0;
     ServerTime view_received{};

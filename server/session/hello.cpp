@@ -1,21 +1,32 @@
 #include "server/session/hello.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "shared/base/text.h"
+#include "shared/codec/h264.h"
 #include "shared/foveation/rate.h"
 #include "shared/math/fov.h"
 
 namespace macula::session {
 namespace {
 
-constexpr std::array<std::string_view, 2> kCodecs{"jpeg", "lossless"};
+/// In the order in which `auto` prefers them.
+std::vector<std::string_view> known_codecs() {
+  if (codec::can_encode_h264()) return {"h264", "jpeg", "lossless"};
+  return {"jpeg", "lossless"};
+}
+
+std::string list_of_codecs() {
+  return codec::can_encode_h264() ? "jpeg, h264, lossless"
+                                  : "jpeg, lossless (this build has no h264)";
+}
 
 bool is_known_codec(std::string_view name) {
-  return std::find(kCodecs.begin(), kCodecs.end(), name) != kCodecs.end();
+  const auto known = known_codecs();
+  return std::find(known.begin(), known.end(), name) != known.end();
 }
 
 bool can_decode(const net::Hello& hello, std::string_view codec) {
@@ -44,7 +55,7 @@ Result<void> check_display(const foveation::Display& eye, int max_side_px) {
 Result<void> check_settings(const net::Settings& settings) {
   if (!settings.color_codec.empty() && !is_known_codec(settings.color_codec))
     return base::bad_input(base::concat("unknown codec '", settings.color_codec, "'"),
-                           "Settings.color_codec", "jpeg, lossless");
+                           "Settings.color_codec", list_of_codecs());
   if (settings.jpeg_quality < 0 || settings.jpeg_quality > 100)
     return base::bad_input(base::concat("JPEG quality ", settings.jpeg_quality),
                            "Settings.jpeg_quality", "1 to 100, or 0 for the default");
@@ -60,7 +71,7 @@ Result<void> check_settings(const net::Settings& settings) {
 std::string negotiated_codec(const net::Hello& hello, const ServerOffer& offer) {
   if (!hello.settings.color_codec.empty()) return hello.settings.color_codec;
   if (can_decode(hello, offer.default_codec)) return offer.default_codec;
-  for (const std::string_view codec : kCodecs)
+  for (const std::string_view codec : known_codecs())
     if (can_decode(hello, codec)) return std::string{codec};
   return {};
 }
@@ -79,7 +90,7 @@ Result<ClientSetup> check_hello(const net::Hello& hello, const ServerOffer& offe
   setup.settings.color_codec = negotiated_codec(hello, offer);
   if (!can_decode(hello, setup.settings.color_codec))
     return base::bad_input("no colour codec in common", "Hello.codecs",
-                           "this server encodes jpeg, lossless");
+                           "this server encodes " + list_of_codecs());
   return setup;
 }
 

@@ -9,10 +9,13 @@
 
 namespace macula::session {
 
+/// The best codec that both ends know: h264, then jpeg, then lossless.
+inline constexpr const char* kAutoCodec = "auto";
+
 /// What this server is and offers; the same for every client.
 struct ServerOffer {
   std::string kernel = "ray";
-  std::string default_codec = "jpeg";
+  std::string default_codec = kAutoCodec;
   net::SceneSummary scene;
   std::uint32_t max_part_bytes = 65536;
   int max_side_px = 8192;

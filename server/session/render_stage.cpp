@@ -21,14 +21,16 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
                                           std::stop_token stop) {
   std::this_thread::sleep_for(config_.delays.view_wait);
   job.render_begin = now();
-  job.scale = memory.governor.scale();
+  job.scale = job.start.quality.scale;
   ViewPolicy policy = config_.views;
   policy.guard_band = Degrees{std::max(policy.guard_band.value(), job.start.guard_band.value())};
   job.guard_band = policy.guard_band;
-  auto prepared = prepare_views(job.start.view, *job.start.setup, policy, job.scale, memory.gaze);
+  auto prepared = prepare_views(job.start.view, *job.start.setup, policy, job.scale, memory.gaze,
+                                job.start.gazes);
   if (!prepared) return base::forward(prepared);
   job.views = std::move(prepared->views);
   job.cells = prepared->cells;
+  job.rate_model = prepared->foveation.model();
 
   job.scene_time = scene_clock_.at(job.render_begin);
   const auto scene = scene_->at(job.scene_time);
@@ -41,7 +43,6 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
   std::this_thread::sleep_for(config_.delays.render);
   job.render_end = now();
   if (job.report.stopped) return RenderOutcome::Stopped;
-  memory.governor.on_frame(job.render_end - job.render_begin);
   return RenderOutcome::Rendered;
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 
+#include "server/session/governor.h"
+#include "shared/foveation/gaze_follower.h"
 #include "shared/units/angle.h"
 #include "shared/units/time.h"
 
@@ -21,6 +23,10 @@ struct SessionRules {
   Nanoseconds longest_horizon{0};
   /// What a fast head may ask for beyond the configured guard band; 0: nothing.
   Degrees most_guard_band{0.0};
+  Goals goals;  ///< what frames may cost and how old they may be shown
+  foveation::GazeFollowerOptions gaze;
+  /// Where frames lean on each other, a grid rests until the gaze is so far from its centre.
+  Degrees grid_rest{2.0};
   /// Bounds of the credit window, in frames.
   int least_window = 2, most_window = 6;
   /// Frames of one session between their start and their first byte: one renders while one encodes.

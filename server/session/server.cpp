@@ -13,6 +13,14 @@ constexpr std::size_t kJobs = 2;  // one renders while the other encodes
 constexpr std::size_t kRecentFrames = 64;
 constexpr Nanoseconds kTick = std::chrono::milliseconds{10};
 
+/// The rules with what the rest of the configuration says about them.
+SessionRules rules_of(const ServerConfig& config) {
+  SessionRules rules = config.rules;
+  rules.goals = {config.target_frame_time, config.age_goal};
+  rules.gaze.base_radius = config.views.full_rate_radius;
+  return rules;
+}
+
 /// The next value, however long it takes; nullopt once the channel is closed and empty.
 template <class T>
 std::optional<T> next_of(base::Channel<T>& channel) {
@@ -31,17 +39,20 @@ void push_recent(std::vector<T>& recent, T value) {
 StageTimes stage_times(const FrameJob& job) {
   return {units::to_ms(job.render_begin - job.start.view_received),
           units::to_ms(job.render_end - job.render_begin),
-          units::to_ms(job.encode_end - job.render_end)};
+          units::to_ms(job.encode_end - job.render_end), units::to_ms(job.encode_cpu)};
 }
 
 Result<void> check_config(const ServerConfig& config) {
   if (config.jpeg_quality < 1 || config.jpeg_quality > 100)
     return base::bad_input(base::concat("JPEG quality ", config.jpeg_quality), "quality",
                            "1 to 100");
+  if (config.age_goal && *config.age_goal <= Nanoseconds::zero())
+    return base::bad_input("the goal for the age of frames is not positive", "age-ms");
   if (config.target_frame_time && *config.target_frame_time <= Nanoseconds::zero())
     return base::bad_input("the target frame time is not positive", "target-ms");
   net::Settings settings;
-  settings.color_codec = config.offer.default_codec;
+  settings.color_codec =
+      config.offer.default_codec == kAutoCodec ? std::string{} : config.offer.default_codec;
   settings.fovea_oversampling = config.views.fovea_oversampling;
   return check_settings(settings);
 }
@@ -60,7 +71,7 @@ Server::Server(ServerConfig config, ServerParts parts)
       encode_stage_(config_, *parts_.clock),
       free_jobs_(kJobs),
       rendered_(kJobs),
-      table_(config_.rules, config_.offer, parts_.random) {
+      table_(rules_of(config_), config_.offer, parts_.random) {
   for (std::size_t i = 0; i < kJobs; ++i)
     MACULA_CHECK(free_jobs_.put(std::make_unique<FrameJob>()), "the channel holds every job");
 }
@@ -113,7 +124,6 @@ std::shared_ptr<RenderMemory> Server::memory_of(const FrameKey& key) {
   if (!memory || memory->epoch != key.epoch) {
     memory = std::make_shared<RenderMemory>();
     memory->epoch = key.epoch;
-    memory->governor = Governor(config_.target_frame_time);
   }
   return memory;
 }
@@ -141,6 +151,7 @@ void Server::render_loop() {
 
 void Server::render(Job job, NextFrame next) {
   job->start = std::move(next.start);
+  job->encode_memory = next.memory->encode;
   const FrameKey key = job->start.key;
   const auto outcome = render_stage_.render(*job, *next.memory, std::move(next.stop));
   const bool rendered = outcome && *outcome == RenderOutcome::Rendered;
@@ -153,6 +164,7 @@ void Server::render(Job job, NextFrame next) {
       telemetry_.cells += job->cells;
       telemetry_.non_finite_samples += job->report.non_finite_samples;
       telemetry_.newest_scale = job->scale;
+      table_.on_frame_rendered(key, job->render_end - job->render_begin);
     } else if (outcome) {
       ++telemetry_.frames_stopped;
       table_.on_frame_abandoned(key);
@@ -188,7 +200,7 @@ void Server::finish_encoding(const FrameJob& job, Result<net::EncodedFrame> enco
   push_recent(telemetry_.recent, stage_times(job));
   if (!table_.expects(key)) return;
   outbox_.emplace(key, std::move(*encoded));
-  carry_out(table_.on_frame_ready(key, now()));
+  carry_out(table_.on_frame_ready(key, now(), job.encoded));
 }
 
 void Server::carry_out(Actions actions) {
@@ -234,7 +246,8 @@ Telemetry Server::telemetry() const {
   Telemetry copy = telemetry_;
   for (const auto& [id, session] : table_.sessions())
     copy.now.push_back({id, session.epoch(), session.credit().in_flight(),
-                        session.credit().unsent(), session.credit().window(now())});
+                        session.credit().unsent(), session.credit().window(now()),
+                        session.link().bytes_per_s().value_or(0.0)});
   copy.sessions = table_.totals();
   copy.table = table_.counters();
   copy.net = parts_.endpoint->counters();

@@ -26,6 +26,7 @@ void add(SessionCounters& sum, const SessionCounters& more) {
   sum.frames_released += more.frames_released;
   sum.frames_lost += more.frames_lost;
   sum.frames_abandoned += more.frames_abandoned;
+  sum.keys_wanted += more.keys_wanted;
   sum.most_in_flight = std::max(sum.most_in_flight, more.most_in_flight);
   sum.most_in_flight_excess = std::max(sum.most_in_flight_excess, more.most_in_flight_excess);
 }
@@ -209,9 +210,14 @@ bool SessionTable::expects(const FrameKey& key) const {
          found->second.credit().is_unsent(key.frame);
 }
 
-Actions SessionTable::on_frame_ready(const FrameKey& key, ServerTime now) {
+void SessionTable::on_frame_rendered(const FrameKey& key, Nanoseconds render) {
+  if (const auto found = sessions_.find(key.session); found != sessions_.end())
+    found->second.on_frame_rendered(key, render);
+}
+
+Actions SessionTable::on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size) {
   const auto found = sessions_.find(key.session);
-  return found == sessions_.end() ? Actions{} : found->second.on_frame_ready(key, now);
+  return found == sessions_.end() ? Actions{} : found->second.on_frame_ready(key, now, size);
 }
 
 void SessionTable::on_frame_abandoned(const FrameKey& key) {

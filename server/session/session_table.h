@@ -35,7 +35,8 @@ class SessionTable {
   std::optional<StartFrame> next_frame(ServerTime now);
   /// Whether the frame still belongs to a living epoch; others are dropped by whoever holds them.
   bool expects(const FrameKey& key) const;
-  Actions on_frame_ready(const FrameKey& key, ServerTime now);
+  void on_frame_rendered(const FrameKey& key, Nanoseconds render);
+  Actions on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size = {});
   void on_frame_abandoned(const FrameKey& key);
   /// The server ends: a Bye to everybody, and nobody is left.
   Actions stop(const std::string& reason);

@@ -14,12 +14,14 @@ namespace macula::session {
 /// Stages of one frame in ms.
 struct StageTimes {
   double view_wait_ms = 0.0, render_ms = 0.0, encode_ms = 0.0;
+  double encode_cpu_ms = 0.0;  ///< over all eyes
 };
 
 struct SessionState {
   std::uint64_t session = 0;
   std::uint32_t epoch = 0;
   int in_flight = 0, unsent = 0, window = 0;
+  double link_bytes_per_s = 0.0;  ///< as acknowledged; 0: not known yet
 };
 
 struct Telemetry {

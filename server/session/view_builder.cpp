@@ -22,11 +22,11 @@ Result<foveation::RateModel> wanted_model(const net::Settings& wish, const ViewP
 /// On a display shrunk by `shrunk`, cells of the announced display's own size are oversampled ones:
 /// the gaze keeps its resolution in a smaller disc, the periphery pays.
 foveation::FovealGridOptions grid_options(const net::Settings& wish, const ViewPolicy& policy,
-                                          double shrunk) {
+                                          Degrees radius, double shrunk) {
   const double oversampling =
       wish.fovea_oversampling != 0.0 ? wish.fovea_oversampling : policy.fovea_oversampling;
   return {.fovea_oversampling = oversampling / shrunk,
-          .full_rate_radius = shrunk * policy.full_rate_radius,
+          .full_rate_radius = shrunk * radius,
           .guard_band = policy.guard_band};
 }
 
@@ -43,7 +43,8 @@ Result<std::size_t> checked_cells(const PixelGrid& grid, const ViewPolicy& polic
 }  // namespace
 
 Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetup& setup,
-                                    const ViewPolicy& policy, double scale, GazeFilters& filters) {
+                                    const ViewPolicy& policy, double scale, GazeFilters& filters,
+                                    std::span<const FollowedGaze> followed) {
   const auto model = wanted_model(setup.settings, policy);
   if (!model) return base::forward(model);
   const Pose world_from_head = policy.scene_from_stage * view.stage_from_head;
@@ -54,10 +55,13 @@ Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetu
   for (std::size_t eye = 0; eye < view.eyes.size(); ++eye) {
     const net::EyeState& state = view.eyes[eye];
     const foveation::Display display = scaled_display(setup.eyes[eye], state.fov, scale);
-    const Gaze gaze = filters[eye].update(state.gaze);
+    const bool is_followed = eye < followed.size();
+    const Gaze gaze = is_followed ? followed[eye].gaze : filters[eye].update(state.gaze);
+    const Gaze centre = is_followed ? followed[eye].centre : gaze;
+    const Degrees radius = is_followed ? followed[eye].radius : policy.full_rate_radius;
     const double shrunk = static_cast<double>(display.width_px) / setup.eyes[eye].width_px;
-    PixelGrid grid = foveation::make_foveal_grid(display, gaze, *model,
-                                                 grid_options(setup.settings, policy, shrunk));
+    PixelGrid grid = foveation::make_foveal_grid(
+        display, centre, *model, grid_options(setup.settings, policy, radius, shrunk));
     const auto count = checked_cells(grid, policy);
     if (!count) return base::forward(count);
     cells += *count;

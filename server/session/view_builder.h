@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "server/kernels/kernel.h"
@@ -23,10 +24,12 @@ struct PreparedViews {
   std::size_t cells = 0;
 };
 
-/// `scale` (0, 1] shrinks the nominal display that rates refer to, and the disc around the gaze
+/// `followed`, by eye, says where grids rest and how wide full quality is; without it both follow
+/// the view's gaze and the policy. `scale` (0, 1] shrinks the nominal display that rates refer to, and the disc around the gaze
 /// that keeps the real display's resolution; the field of view stays. Errors: more cells than the
 /// policy allows, a rate model nobody knows.
 Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetup& setup,
-                                    const ViewPolicy& policy, double scale, GazeFilters& filters);
+                                    const ViewPolicy& policy, double scale, GazeFilters& filters,
+                                    std::span<const FollowedGaze> followed = {});
 
 }  // namespace macula::session

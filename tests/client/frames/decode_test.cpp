@@ -7,6 +7,11 @@
 namespace macula::frames {
 namespace {
 
+/// One frame by a decoder of its own.
+Result<DecodedFrame> decode(net::ReceivedFrame received, const base::Clock& clock) {
+  return FrameDecoder(clock).decode(std::move(received));
+}
+
 TEST(Decode, GivesBackBothEyesColourAndDepth) {
   base::ManualClock clock;
   clock.advance(units::from_ms(7.0));
@@ -80,6 +85,64 @@ TEST(Decode, TakesMissingDepthAsInfinitelyFar) {
   const auto frame = decode(received, clock);
   ASSERT_TRUE(frame) << frame.error().message();
   for (const float d : frame->eyes[0].inverse_depth_per_m.pixels()) EXPECT_EQ(d, 0.0F);
+}
+
+/// Frames of one eye whose colour is H.264, each leaning on the one before.
+class H264Frames : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!codec::can_encode_h264() || !codec::can_decode_h264())
+      GTEST_SKIP() << "this build has no H.264";
+    encoder_ = std::move(*codec::H264Encoder::create({}));
+  }
+  net::ReceivedFrame next(codec::H264Encoder::Kind kind = codec::H264Encoder::Kind::Delta) {
+    net::ReceivedFrame frame = test::make_received_frame(1, ++frame_, 1);
+    const auto depth = frame.begin.slices[2];
+    const auto depth_bytes = frame.payloads[2];
+    frame.begin.slices.clear();
+    frame.payloads.clear();
+    const auto coded = encoder_->encode(test::known_color(0), {.kind = kind});
+    frame.begin.is_key = coded->kind == codec::H264Encoder::Kind::Key;
+    frame.begin.reference_frame = frame.begin.is_key ? 0 : frame_ - 1;
+    const image::Rect whole{0, 0, test::kFrameWidth, test::kFrameHeight};
+    test::add_slice(frame, {0, 0, net::PlaneKind::Color, net::SliceCodec::H264, whole, 0},
+                    coded->bytes);
+    test::add_slice(frame, depth, depth_bytes);
+    return frame;
+  }
+
+  const base::ManualClock clock_;
+  FrameDecoder decoder_{clock_};
+  std::unique_ptr<codec::H264Encoder> encoder_;
+  std::uint64_t frame_ = 0;
+};
+
+TEST_F(H264Frames, AreDecodedInOrder) {
+  for (int i = 0; i < 5; ++i) {
+    const auto frame = decoder_.decode(next());
+    ASSERT_TRUE(frame) << frame.error().message();
+    EXPECT_NEAR(frame->eyes[0].color(20, 12).r, 20, 12);
+  }
+}
+
+TEST_F(H264Frames, WhatLeansOnAMissingFrameIsNeverShown) {
+  ASSERT_TRUE(decoder_.decode(next()));
+  next();  // lost on the way
+  for (int i = 0; i < 3; ++i) {
+    const auto frame = decoder_.decode(next());
+    ASSERT_FALSE(frame);
+    EXPECT_NE(frame.error().message().find("which was not decoded"), std::string::npos);
+  }
+  EXPECT_TRUE(decoder_.decode(next(codec::H264Encoder::Kind::Key)));
+  EXPECT_TRUE(decoder_.decode(next()));
+}
+
+TEST_F(H264Frames, ADamagedFrameEndsTheChain) {
+  ASSERT_TRUE(decoder_.decode(next()));
+  auto damaged = next();
+  damaged.payloads[1].resize(3);  // its depth
+  EXPECT_FALSE(decoder_.decode(std::move(damaged)));
+  EXPECT_FALSE(decoder_.decode(next()));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shared/codec/h264.h"
 #include "tests/server/session/session_fixtures.h"
 
 namespace macula::session {
@@ -178,8 +179,15 @@ TEST(Hello, NegotiatesACodecBothSidesSpeak) {
   net::Hello hello = test::hello();
   hello.codecs = {"lossless"};
   EXPECT_EQ(check_hello(hello, {})->settings.color_codec, "lossless");
-  hello.codecs = {"h264"};
+  hello.codecs = {"av1"};
   EXPECT_FALSE(check_hello(hello, {}));
+  hello.codecs = {"lossless", "jpeg", "h264"};
+  EXPECT_EQ(check_hello(hello, {})->settings.color_codec,
+            codec::can_encode_h264() ? "h264" : "jpeg");
+  ServerOffer jpeg;
+  jpeg.default_codec = "jpeg";
+  EXPECT_EQ(check_hello(hello, jpeg)->settings.color_codec, "jpeg");
+  EXPECT_EQ(check_settings({.color_codec = "h264"}).has_value(), codec::can_encode_h264());
   hello.codecs = {"jpeg", "lossless"};
   hello.settings.color_codec = "lossless";
   EXPECT_EQ(check_hello(hello, {})->settings.color_codec, "lossless");

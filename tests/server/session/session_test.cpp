@@ -207,5 +207,41 @@ TEST_F(SessionTest, SettingsApplyToFramesStartedLater) {
   EXPECT_EQ(after->setup->settings.generation, 3U);
 }
 
+TEST_F(SessionTest, AClientThatLostAFrameGetsOneKeyFrameAndNotOneForEveryWish) {
+  see(1, 0);
+  EXPECT_FALSE(session_.start_frame(at_ms(1))->is_key_wanted) << "the first is one anyway";
+  session_.on_frame_ready({1, kEpoch, 1}, at_ms(1));
+  net::Acks lost;
+  lost.epoch = kEpoch;
+  lost.received = 1;
+  lost.need_key = true;
+  const auto wish = [&](std::uint64_t sequence, double ms) {
+    session_.on_view({kPeer, test::view(sequence), lost, at_ms(ms)});
+    const auto start = session_.start_frame(at_ms(ms));
+    if (start) session_.on_frame_ready(start->key, at_ms(ms));
+    return start && start->is_key_wanted;
+  };
+  EXPECT_TRUE(wish(2, 10));
+  EXPECT_FALSE(wish(3, 20)) << "frame 2 is on its way";
+  lost.received = 2;
+  EXPECT_TRUE(wish(4, 30)) << "it has come and did not help";
+  EXPECT_EQ(session_.counters().keys_wanted, 2U);
+}
+
+TEST_F(SessionTest, AFrameThatNeverLeavesIsFollowedByAKeyFrame) {
+  see(1, 0);
+  const auto start = session_.start_frame(at_ms(1));
+  session_.on_frame_abandoned(start->key);
+  see(2, 2);
+  EXPECT_TRUE(session_.start_frame(at_ms(3))->is_key_wanted);
+}
+
+TEST_F(SessionTest, GazesAreFollowedForWhenTheFrameIsSeen) {
+  see(1, 0);
+  const auto start = session_.start_frame(at_ms(1));
+  ASSERT_EQ(start->gazes.size(), 2U);
+  EXPECT_EQ(start->gazes[0].radius.value(), SessionRules{}.gaze.base_radius.value());
+}
+
 }  // namespace
 }  // namespace macula::session
