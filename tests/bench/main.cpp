@@ -25,6 +25,7 @@
 #include "tests/bench/reprojection.h"
 #include "tests/bench/sphere.h"
 #include "tests/bench/still.h"
+#include "tests/bench/streaming.h"
 #include "tests/bench/warp.h"
 
 namespace macula::bench {
@@ -562,6 +563,58 @@ Run declare_warp(CLI::App& command) {
   };
 }
 
+Run declare_streaming(CLI::App& command) {
+  auto options = std::make_shared<StreamingOptions>();
+  auto size = std::make_shared<std::string>();
+  auto quick = std::make_shared<bool>(false);
+  command.add_option("--source", options->source, "Canned pictures, or a scene by its kernel")
+      ->option_text("pattern|NAME|FILE (pattern)");
+  command.add_option("--links", options->links, "What lies between server and viewer")
+      ->delimiter(',')
+      ->check(CLI::IsMember(link_names()))
+      ->option_text("NAME,... (all)");
+  command.add_option("--network", options->network_folder, "A row for each recorded link in a folder")
+      ->option_text("DIR");
+  command.add_option("--trace", options->trace, "Head and gaze (a made-up viewer)")
+      ->option_text("FILE.csv");
+  command.add_option("--codec", options->codec, "Colour")
+      ->check(CLI::IsMember({"auto", "jpeg", "h264", "lossless"}))
+      ->option_text("auto|jpeg|h264|lossless (auto)");
+  command.add_option("--effort", options->effort, "Of H.264")
+      ->check(CLI::IsMember({"ultrafast", "superfast"}))
+      ->option_text("ultrafast|superfast (ultrafast)");
+  command.add_option("--grid", options->grid, "Where frames are sampled")
+      ->check(CLI::IsMember({"foveal", "uniform"}))
+      ->option_text("foveal|uniform (foveal)");
+  command.add_option("--size", *size, "Pixels of an eye's display (720x800)")->option_text("WxH");
+  command.add_option("--seconds", options->seconds, "Of every link")
+      ->check(CLI::Range(1.0, 36000.0))
+      ->option_text("S (60)");
+  command.add_option("--age-ms", options->age_ms, "The server's goal for ages; 0: none")
+      ->check(CLI::Range(0.0, 10000.0))
+      ->option_text("MS (100)");
+  command.add_option("--quality", options->quality, "Of colour, on JPEG's scale")
+      ->check(CLI::Range(1, 100))
+      ->option_text("N (85)");
+  command.add_option("--frame-kb", options->frame_kb, "JPEG of the quality that gives so many kB a frame")
+      ->check(CLI::Range(1, 10000))
+      ->option_text("N");
+  command.add_option("--noise", options->noise_levels, "Grain of the pattern, in levels of 255")
+      ->check(CLI::Range(0.0, 64.0))
+      ->option_text("N (0)");
+  command.add_flag("--quick", *quick, "20 s a link");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  return [options, size, quick]() -> Result<void> {
+    if (*quick) make_quick(*options);
+    if (!size->empty()) {
+      const auto pixels = parse_size("--size", *size);
+      if (!pixels) return base::forward(pixels);
+      options->width_px = pixels->width_px, options->height_px = pixels->height_px;
+    }
+    return run_streaming(*options);
+  };
+}
+
 constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
@@ -573,6 +626,7 @@ constexpr Experiment kExperiments[] = {
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},
     {"reprojection", "What each way of hiding latency is worth", declare_reprojection},
+    {"streaming", "The stream over links that misbehave: ages, bytes, quality", declare_streaming},
     {"warp", "What the client's warp costs", declare_warp},
 };
 

@@ -1,0 +1,142 @@
+#include "tests/bench/streaming_viewer.h"
+
+#include <thread>
+
+#include "client/app/refresh_clock.h"
+
+namespace macula::bench {
+namespace {
+
+constexpr double kRefreshHz = 72.0;
+
+/// Decodes on a thread of its own, as client_app::FrameReceiver does, and counts besides.
+class Receiver {
+ public:
+  Receiver(net::ClientEndpoint& endpoint, const base::Clock& clock, frames::StageBook& book)
+      : endpoint_(endpoint),
+        book_(book),
+        decoder_(clock),
+        thread_([this](const std::stop_token& stop) { work(stop); }) {}
+
+  frames::FrameStore& store() { return store_; }
+  /// Ends the thread and hands over what it noted.
+  void finish(Viewed& viewed) {
+    thread_.request_stop();
+    thread_.join();
+    viewed.transit_ms = transit_ms_;
+    viewed.decode_cpu_ms = decode_cpu_ms_;
+    viewed.frame_bytes = frame_bytes_;
+    viewed.cells = cells_;
+    viewed.received = received_;
+    viewed.undecodable = undecodable_;
+  }
+
+ private:
+  void work(const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      auto received = endpoint_.wait_frame(std::chrono::milliseconds{20});
+      if (!received) continue;
+      ++received_;
+      book_.note_begin(received->begin);
+      const Nanoseconds transit =
+          received->last_byte.time_since_epoch() - received->end.encode_end.time_since_epoch();
+      transit_ms_.add(units::to_ms(transit));
+      auto frame = decoder_.decode(std::move(*received));
+      if (!frame) {
+        ++undecodable_;
+        endpoint_.request_key();
+        continue;
+      }
+      decode_cpu_ms_.add(units::to_ms(frame->cpu));
+      frame_bytes_.add(static_cast<double>(frame->bytes));
+      cells_.add(static_cast<double>(frame->end.cells));
+      store_.put(std::make_shared<const frames::DecodedFrame>(std::move(*frame)));
+    }
+  }
+
+  net::ClientEndpoint& endpoint_;
+  frames::StageBook& book_;
+  frames::FrameDecoder decoder_;
+  frames::FrameStore store_;
+  frames::Series transit_ms_, decode_cpu_ms_, frame_bytes_, cells_;
+  std::uint64_t received_ = 0, undecodable_ = 0;
+  std::jthread thread_;
+};
+
+net::ViewState view_of(const client_app::EyeRig& rig, const pose::HeadSample& head,
+                       std::uint64_t sequence, Nanoseconds period) {
+  net::ViewState view = rig.view_state(head.stage_from_head, head.gaze);
+  view.sequence = sequence;
+  view.sampled = head.at;
+  view.gaze_sampled = head.gaze_at;
+  view.predicted_display = head.at + period;
+  return view;
+}
+
+void note_clock(const net::ClientEndpoint& endpoint, Viewed& viewed) {
+  const auto estimate = endpoint.clock();
+  if (!estimate) return;
+  const Nanoseconds error = std::chrono::abs(estimate->server_minus_client);
+  viewed.clock_error_ms.add(units::to_ms(error));
+  viewed.clock_bound_broken += error > estimate->bound ? 1 : 0;
+}
+
+void note_first_showing(const frames::FramePtr& frame, ClientTime begin, ClientTime shown,
+                        const net::ClientEndpoint& endpoint, frames::StageBook& book,
+                        Viewed& viewed) {
+  ++viewed.shown;
+  viewed.news.push_back(shown);
+  if (viewed.shown % 72 == 30) viewed.samples.push_back(frame);
+  if (const auto clock = endpoint.clock()) {
+    book.note_shown(frame->id(), frame->end,
+                    {frame->begin.view_sampled, frame->last_byte, frame->decoded, begin, begin, shown},
+                    *clock);
+  }
+}
+
+}  // namespace
+
+Viewed view_stream(net::ClientEndpoint& endpoint, const base::Clock& clock,
+                   const client_app::EyeRig& rig, pose::TraceSource& poses, double seconds,
+                   const std::function<void(double share)>& at_refresh) {
+  Viewed viewed;
+  frames::StageBook book;
+  Receiver receiver(endpoint, clock, book);
+  client_app::RefreshClock refreshes(clock, kRefreshHz, client_app::Pacing::RealTime);
+  const ClientTime opened{clock.now()};
+  std::optional<ClientTime> first_frame;
+  frames::FramePtr last;
+  for (std::uint64_t sequence = 1;; ++sequence) {
+    const client_app::Refresh refresh = refreshes.next();
+    auto head = poses.sample(refresh.pose_time);
+    if (!head) break;
+    head->at = head->gaze_at = refresh.begin;
+    endpoint.publish(view_of(rig, *head, sequence, refreshes.period()));
+    while (endpoint.take_event()) {
+    }
+    const frames::FramePtr frame = receiver.store().newest();
+    refreshes.wait_for_display(refresh);
+    const ClientTime shown{clock.now()};
+    if (!frame) {
+      if (shown - opened > std::chrono::seconds{30}) break;
+      continue;
+    }
+    if (!first_frame) first_frame = shown;
+    const double passed_s = units::to_s(shown - *first_frame);
+    if (passed_s > seconds) break;
+    at_refresh(passed_s / seconds);
+    ++viewed.refreshes;
+    viewed.ages.add(shown, frame->begin);
+    viewed.refresh_at.push_back(shown);
+    viewed.age_ms_by_refresh.push_back(units::to_ms(shown - frame->begin.view_sampled));
+    note_clock(endpoint, viewed);
+    if (frame != last) note_first_showing(frame, refresh.begin, shown, endpoint, book, viewed);
+    last = frame;
+    viewed.duration_s = passed_s;
+  }
+  receiver.finish(viewed);
+  viewed.accounts = book.accounts();
+  return viewed;
+}
+
+}  // namespace macula::bench
