@@ -110,6 +110,7 @@ Showing DisplayLoop::reproject(const frames::FramePtr& frame, const Pose& stage_
   showing.frame = frame;
   showing.reproject_begin = now();
   showing.warps = warps_.warp(*frame, stage_from_head, parts_.screen.rig());
+  if (config_.pacing == Pacing::RealTime) warps_.mark_age(now() - frame->last_byte);
   sleep_for(config_.delays.reproject);
   showing.reproject_end = now();
   return showing;

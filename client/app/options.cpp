@@ -88,7 +88,7 @@ void add_display_options(CLI::App& app, Typed& typed) {
                  "for slow machines")
       ->option_text("mesh|grid|rotation|stale (mesh)")
       ->check(CLI::IsMember({"mesh", "grid", "rotation", "stale"}));
-  app.add_option("--out", typed.out, "Folder for pictures and report.json")
+  app.add_option("--out", typed.out, "Folder for pictures, report.json and frames.csv")
       ->option_text("DIR (headless: macula-out)");
   app.add_option("--picture-every", typed.picture_every, "Write every Nth shown frame as PNG")
       ->option_text("N (12)")

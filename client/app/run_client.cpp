@@ -1,7 +1,6 @@
 #include "client/app/run_client.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -72,8 +71,7 @@ Result<void> write_results(const ClientConfig& config, const DisplayLoop& loop, 
                                     rate_maps(loop.last_frame(), rig));
   report.pictures_written = pictures.written();
   report.pictures_skipped = pictures.skipped();
-  const auto path = std::filesystem::path(config.out_folder) / "report.json";
-  const auto written = display::write_report(path.string(), report);
+  const auto written = display::write_reports(config.out_folder, report);
   return done ? written : done;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "client/app/age_badge.h"
 #include "client/frames/for_each_eye.h"
 
 namespace macula::client_app {
@@ -31,6 +32,10 @@ std::vector<reprojection::WarpReport> WarpStage::warp(const frames::DecodedFrame
     if (depth_ == Depth::Keep) warpers_[eye].copy_inverse_depth(eyes_.inverse_depths_per_m[eye]);
   });
   return reports;
+}
+
+void WarpStage::mark_age(Nanoseconds age) {
+  for (image::Plane<Rgb8>& picture : eyes_.colors) draw_age_badge(picture, age);
 }
 
 }  // namespace macula::client_app

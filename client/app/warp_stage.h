@@ -26,6 +26,8 @@ class WarpStage {
   /// Reports by eye. Eyes the frame does not have stay as they are.
   std::vector<reprojection::WarpReport> warp(const frames::DecodedFrame& frame,
                                              const Pose& stage_from_head, const EyeRig& rig);
+  /// Says on the pictures how long ago their frame came, where that is long.
+  void mark_age(Nanoseconds age);
   const WarpedEyes& eyes() const { return eyes_; }
 
  private:

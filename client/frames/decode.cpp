@@ -26,7 +26,8 @@ bool is_inside(const image::Rect& rect, int width, int height) {
 using H264 = std::unique_ptr<codec::H264Decoder>;
 
 /// `decoder` is made when the first slice needs it.
-Result<void> decode_h264(const net::SliceEntry& slice, Bytes bytes, H264& decoder, DecodedEye& eye) {
+Result<void> decode_h264(const net::SliceEntry& slice, Bytes bytes, H264& decoder,
+                         DecodedEye& eye) {
   if (!decoder) {
     auto made = codec::H264Decoder::create();
     if (!made) return base::forward(made);
@@ -120,8 +121,9 @@ std::uint64_t payload_bytes(const net::ReceivedFrame& received) {
 Result<void> FrameDecoder::check_reference(const net::FrameBegin& begin) const {
   const FrameId needed{begin.epoch, begin.reference_frame};
   if (begin.is_key || last_ == needed) return {};
-  return base::bad_input(base::concat("it leans on frame ", needed.frame, ", which was not decoded"),
-                         base::concat("frame ", begin.frame), "a key frame first");
+  return base::bad_input(
+      base::concat("it leans on frame ", needed.frame, ", which was not decoded"),
+      base::concat("frame ", begin.frame), "a key frame first");
 }
 
 Result<DecodedFrame> FrameDecoder::decode(net::ReceivedFrame received) {

@@ -57,7 +57,7 @@ class FrameDecoder {
 
   const base::Clock& clock_;
   const DecodeOptions options_;
-  std::optional<FrameId> last_;  ///< decoded
+  std::optional<FrameId> last_;                            ///< decoded
   std::vector<std::unique_ptr<codec::H264Decoder>> h264_;  ///< by eye, made when needed
 };
 

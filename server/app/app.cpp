@@ -1,5 +1,6 @@
 #include "server/app/app.h"
 
+#include <iomanip>
 #include <iostream>
 #include <memory>
 #include <random>
@@ -9,9 +10,11 @@
 #include "server/kernels/scene_timeline.h"
 #include "server/scene/load.h"
 #include "server/scene/plan.h"
+#include "server/session/recording.h"
 #include "server/session/server.h"
 #include "shared/base/log.h"
 #include "shared/base/text.h"
+#include "shared/math/hash.h"
 #include "shared/net/keys.h"
 #include "shared/net/listener.h"
 
@@ -97,6 +100,7 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   if (options.target_ms) config.target_frame_time = units::from_ms(*options.target_ms);
   Options told = options;
   told.keys.clear();  // travels in frames; where keys lie is nobody's business
+  told.threads = 0;   // makes no difference to any frame
   config.description = one_line(describe(told));
   return config;
 }
@@ -136,6 +140,30 @@ void serve(session::Server& server, const Options& options, StopSignal& stop) {
   server.stop();
 }
 
+/// Makes a recording's frames again; the same scene, kernel and options give the same bytes.
+Result<void> replay_scene(const Options& options, const PlannedScene& planned,
+                          std::unique_ptr<kernels::Kernel> kernel) {
+  const auto recording = session::load_recording(options.replay);
+  if (!recording) return base::forward(recording);
+  auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
+  if (!timeline) return base::forward(timeline);
+  const session::ServerConfig config = server_config(options, planned);
+  if (recording->description != config.description)
+    std::cout << "recorded with: " << recording->description << "\n";
+  std::uint64_t all = 0;
+  const auto print = [&](const session::ReplayedFrame& frame) {
+    all = math::hash_combine(all, frame.digest);
+    std::cout << "frame " << frame.key.frame << "  " << frame.bytes << " bytes  " << std::hex
+              << std::setw(16) << std::setfill('0') << frame.digest << std::dec << "\n";
+  };
+  const auto done = session::replay(*recording, config, std::move(*timeline), std::move(kernel),
+                                    options.threads, print);
+  if (!done) return done;
+  std::cout << recording->frames.size() << " frames, digest " << std::hex << std::setw(16)
+            << std::setfill('0') << all << std::dec << std::endl;
+  return {};
+}
+
 Result<void> serve_scene(const Options& options, const PlannedScene& planned,
                          std::unique_ptr<kernels::Kernel> kernel, StopSignal& stop) {
   const base::SteadyClock clock;
@@ -150,7 +178,13 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned,
   parts.scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
   parts.clock = &clock;
   parts.random = system_random();
-  auto server = session::Server::create(server_config(options, planned), std::move(parts));
+  session::ServerConfig config = server_config(options, planned);
+  if (!options.record.empty()) {
+    auto recorder = session::Recorder::create(options.record, config.description);
+    if (!recorder) return base::forward(recorder);
+    parts.recorder = std::move(*recorder);
+  }
+  auto server = session::Server::create(std::move(config), std::move(parts));
   if (!server) return base::forward(server);
   serve(**server, options, stop);
   return {};
@@ -178,6 +212,7 @@ Result<void> run(Options options, const Environment& environment, StopSignal& st
   print_plan(planned);
   if (options.explain) return {};
   std::cout << std::flush;
+  if (!options.replay.empty()) return replay_scene(options, planned, std::move(*kernel));
   return serve_scene(options, planned, std::move(*kernel), stop);
 }
 

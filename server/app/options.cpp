@@ -73,6 +73,10 @@ void declare(CLI::App& app, Options& options) {
                "Kernel ray: trace as densely as --rate-model asks, remember the other cells");
   app.add_flag("--perceived-lights", options.perceived_lights,
                "Kernel lightcuts: as many lights as the eye would see the difference, up to 48");
+  app.add_option("--record", options.record,
+                 "File for what arrives and when, to make the same frames again");
+  app.add_option("--replay", options.replay,
+                 "Make a recording's frames again, print each one's bytes and digest, and end");
   app.add_flag("--verbose", options.verbose, "Log sessions and, every 5 s, rates and stage times");
 }
 
@@ -178,9 +182,10 @@ std::string describe(const Options& o) {
   if (o.target_ms) text << "target_ms = " << *o.target_ms << '\n';
   text << "rate_model = " << quoted(o.rate_model) << "\noversampling = " << o.oversampling
        << "\nguard_deg = " << o.guard_deg << "\npredict_ms = " << o.predict_ms
-       << "\nage_ms = " << o.age_ms << "\nquality = " << o.quality << "\ncodec = " << quoted(o.codec)
-       << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
-       << "\nthreads = " << o.threads << "\nreuse = " << (o.reuse ? "true" : "false")
+       << "\nage_ms = " << o.age_ms << "\nquality = " << o.quality
+       << "\ncodec = " << quoted(o.codec) << "\narea_samples = " << o.area_samples
+       << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
+       << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
        << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
   return std::move(text).str();

@@ -29,6 +29,8 @@ struct Options {
   int threads = 0;             ///< 0: every core
   bool reuse = false;          ///< kernel ray takes cells from earlier frames where they still hold
   bool perceived_lights = false;  ///< kernel lightcuts asks as many lights as the eye would see
+  std::string record;             ///< file that what arrives is written to; empty: none
+  std::string replay;             ///< recording to make again instead of serving; empty: serve
   bool explain = false, list_scenes = false, verbose = false;
 };
 

@@ -5,10 +5,12 @@
 #include <compare>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "server/scene/motion.h"
 #include "server/session/governor.h"
 #include "shared/foveation/gaze_follower.h"
 #include "shared/net/messages.h"
@@ -40,9 +42,11 @@ struct StartFrame {
   std::shared_ptr<const ClientSetup> setup;
   Nanoseconds horizon{0};   ///< how far the view's head was carried on from where it was read
   Degrees guard_band{0.0};  ///< the least to render beyond the display
-  std::vector<FollowedGaze> gazes{};  ///< by eye, for when the frame is seen; empty: as the view says
+  std::vector<FollowedGaze>
+      gazes{};  ///< by eye, for when the frame is seen; empty: as the view says
   Quality quality{};
-  bool is_key_wanted = false;  ///< colour must lean on no other frame
+  bool is_key_wanted = false;                    ///< colour must lean on no other frame
+  std::optional<scene::SceneTime> scene_time{};  ///< nullopt: of the moment when rendering begins
 };
 struct SendWelcome {
   net::PeerId peer;

@@ -13,7 +13,7 @@ constexpr double kUsedShare = 0.85;  ///< of the link: what is measured is never
 constexpr double kLeastTime_ms = 5.0, kMostTime_ms = 50.0;
 /// A whole, still H.264 frame at the coarsest quantisers has about so many bytes a cell.
 constexpr double kTooFew_bytes_per_cell = 0.006, kPlenty_bytes_per_cell = 0.02;
-constexpr double kStep = 0.8;  ///< of the scale, down or up
+constexpr double kStep = 0.8;   ///< of the scale, down or up
 constexpr double kRise = 1.15;  ///< of the bytes, a frame
 constexpr double kSmoothing = 0.2;
 constexpr Nanoseconds kRest = std::chrono::seconds{2};

@@ -26,8 +26,8 @@ struct EncodedSize {
 };
 
 struct BytePlan {
-  std::size_t color_bytes = 0;  ///< over all eyes; 0: no bound
-  int depth_divisor = 1;        ///< 1, 2, 4 or 8: one depth sample for so many cells each way
+  std::size_t color_bytes = 0;    ///< over all eyes; 0: no bound
+  int depth_divisor = 1;          ///< 1, 2, 4 or 8: one depth sample for so many cells each way
   Nanoseconds least_interval{0};  ///< between the starts of frames
   double scale = 1.0;             ///< of the periphery's resolution, in [kLeastScale, 1]
 };
@@ -49,10 +49,10 @@ class ByteBudget {
   void choose_scale(double color_bytes, ServerTime now);
 
   std::optional<Nanoseconds> goal_;
-  double work_ms_ = 0.0;             ///< smoothed, without waiting for the link
-  double full_depth_bytes_ = 0.0;    ///< of a frame at divisor 1, by the last one
-  double cells_ = 0.0;               ///< of a frame at scale 1, by the last one
-  double allowed_bytes_ = 0.0;       ///< rises slowly, falls at once
+  double work_ms_ = 0.0;           ///< smoothed, without waiting for the link
+  double full_depth_bytes_ = 0.0;  ///< of a frame at divisor 1, by the last one
+  double cells_ = 0.0;             ///< of a frame at scale 1, by the last one
+  double allowed_bytes_ = 0.0;     ///< rises slowly, falls at once
   int divisor_ = 1;
   double scale_ = 1.0;
   std::optional<ServerTime> scale_changed_;

@@ -43,12 +43,12 @@ struct ServerConfig {
   ViewPolicy views;
   int jpeg_quality = 85;  ///< 1..100; for H.264 the quantiser is h264_quantiser(this)
   codec::H264Options h264;
-  codec::FovealQuantiser quantiser_range;  ///< of H.264 over the picture
+  codec::FovealQuantiser quantiser_range;        ///< of H.264 over the picture
   std::optional<Nanoseconds> target_frame_time;  ///< of rendering; nullopt: full quality always
   std::optional<Nanoseconds> age_goal;  ///< of shown frames; nullopt: full quality on any link
-  std::uint64_t seed = 1;                        ///< of every frame's samples
-  int encode_threads = 2;   ///< eyes are encoded side by side where a core is idle
-  std::string description;  ///< travels in every frame: what it was made with
+  std::uint64_t seed = 1;               ///< of every frame's samples
+  int encode_threads = 2;               ///< eyes are encoded side by side where a core is idle
+  std::string description;              ///< travels in every frame: what it was made with
   StageDelays delays;
 };
 

@@ -64,8 +64,8 @@ EncodeStage::Plan EncodeStage::plan(const FrameJob& job) const {
   const bool landed = memory.was_saccade && !plan.sees_saccade;
   const bool starts = memory.last_frame == 0 || job.start.is_key_wanted;
   plan.h264.kind = starts ? codec::H264Encoder::Kind::Key : codec::H264Encoder::Kind::Delta;
-  plan.h264.quantiser = std::clamp(
-      h264_quantiser(asked) + (plan.sees_saccade ? kSaccadeQuantiser : 0.0), 0.0, 51.0);
+  plan.h264.quantiser =
+      std::clamp(h264_quantiser(asked) + (plan.sees_saccade ? kSaccadeQuantiser : 0.0), 0.0, 51.0);
   plan.h264.most_bytes = quality.bytes.color_bytes / std::max<std::size_t>(job.views.size(), 1);
   plan.h264.burst = landed ? Wish::Burst::Yes : Wish::Burst::No;
   plan.h264.now = job.start.view_received.time_since_epoch();

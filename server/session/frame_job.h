@@ -17,6 +17,7 @@ namespace macula::session {
 struct RenderMemory {
   std::uint32_t epoch = 0;
   kernels::History history;
+  bool history_is_torn = true;  ///< before the first frame, and after one that was stopped half way
   GazeFilters gaze;
   /// The encode thread's own; nobody else looks inside.
   std::shared_ptr<EncodeMemory> encode = std::make_shared<EncodeMemory>();
@@ -33,6 +34,7 @@ struct FrameJob {
   Degrees guard_band{0.0};
   double scale = 1.0;  ///< of the nominal display, by the governor
   kernels::SceneTime scene_time;
+  bool starts_history = false;  ///< it remembers no frame before it
   /// render_end is encode_begin: waiting for the encoder belongs to the encode stage.
   ServerTime render_begin{}, render_end{}, encode_end{};
   EncodedSize encoded;

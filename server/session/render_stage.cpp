@@ -32,7 +32,7 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
   job.cells = prepared->cells;
   job.rate_model = prepared->foveation.model();
 
-  job.scene_time = scene_clock_.at(job.render_begin);
+  job.scene_time = job.start.scene_time.value_or(scene_clock_.at(job.render_begin));
   const auto scene = scene_->at(job.scene_time);
   if (!scene) return base::forward(scene);
 

@@ -152,9 +152,13 @@ void Server::render_loop() {
 void Server::render(Job job, NextFrame next) {
   job->start = std::move(next.start);
   job->encode_memory = next.memory->encode;
+  job->starts_history = std::exchange(next.memory->history_is_torn, false);
+  if (job->starts_history) next.memory->history = {};
   const FrameKey key = job->start.key;
   const auto outcome = render_stage_.render(*job, *next.memory, std::move(next.stop));
   const bool rendered = outcome && *outcome == RenderOutcome::Rendered;
+  next.memory->history_is_torn = !rendered;
+  if (rendered && parts_.recorder) parts_.recorder->add(*job);
   {
     std::lock_guard lock(mutex_);
     rendering_.reset();

@@ -16,6 +16,7 @@
 #include "server/session/config.h"
 #include "server/session/encode_stage.h"
 #include "server/session/frame_job.h"
+#include "server/session/recording.h"
 #include "server/session/render_stage.h"
 #include "server/session/session_table.h"
 #include "server/session/telemetry.h"
@@ -30,6 +31,7 @@ struct ServerParts {
   std::shared_ptr<const kernels::Kernel> kernel;
   std::shared_ptr<scheduling::TileScheduler> scheduler;
   const base::Clock* clock = nullptr;
+  std::unique_ptr<Recorder> recorder{};  ///< null: nothing is recorded
   SessionTable::RandomBits random;
 };
 

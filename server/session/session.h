@@ -34,7 +34,11 @@ struct SessionCounters {
 class Session {
  public:
   Session(std::uint64_t id, std::string client_key, const SessionRules& rules)
-      : id_(id), client_key_(std::move(client_key)), rules_(rules), credit_(rules), forecast_(rules) {}
+      : id_(id),
+        client_key_(std::move(client_key)),
+        rules_(rules),
+        credit_(rules),
+        forecast_(rules) {}
 
   /// The client said Hello (again): from here on everything of earlier epochs is ignored.
   Actions begin_epoch(net::PeerId peer, net::Welcome welcome, ClientSetup setup, ServerTime now);
@@ -100,7 +104,7 @@ class Session {
   ServerTime next_start_{};                           ///< frames begin no sooner
   Nanoseconds clients_own_{0};  ///< from reading a pose to showing it, as the client says
   bool wants_key_ = false;
-  std::uint64_t newest_key_ = 0;  ///< frame that was started as one
+  std::uint64_t newest_key_ = 0;        ///< frame that was started as one
   std::optional<net::ViewState> view_;  ///< newest, not yet rendered
   ServerTime view_received_{}, last_view_{};
   std::optional<std::uint64_t> newest_sequence_;

@@ -25,9 +25,9 @@ struct PreparedViews {
 };
 
 /// `followed`, by eye, says where grids rest and how wide full quality is; without it both follow
-/// the view's gaze and the policy. `scale` (0, 1] shrinks the nominal display that rates refer to, and the disc around the gaze
-/// that keeps the real display's resolution; the field of view stays. Errors: more cells than the
-/// policy allows, a rate model nobody knows.
+/// the view's gaze and the policy. `scale` (0, 1] shrinks the nominal display that rates refer to,
+/// and the disc around the gaze that keeps the real display's resolution; the field of view stays.
+/// Errors: more cells than the policy allows, a rate model nobody knows.
 Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetup& setup,
                                     const ViewPolicy& policy, double scale, GazeFilters& filters,
                                     std::span<const FollowedGaze> followed = {});

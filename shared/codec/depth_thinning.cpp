@@ -19,8 +19,8 @@ struct Place {
 std::vector<Place> places(int cells, int samples, int divisor) {
   std::vector<Place> along;
   for (int cell = 0; cell < cells; ++cell) {
-    const float at = (static_cast<float>(cell) - static_cast<float>(divisor / 2)) /
-                     static_cast<float>(divisor);
+    const float at =
+        (static_cast<float>(cell) - static_cast<float>(divisor / 2)) / static_cast<float>(divisor);
     const int low = static_cast<int>(std::floor(at));
     along.push_back({std::clamp(low, 0, samples - 1), std::clamp(low + 1, 0, samples - 1),
                      at - static_cast<float>(low)});

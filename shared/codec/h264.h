@@ -34,8 +34,8 @@ class H264Encoder {
  public:
   enum class Kind { Delta, Key };
   struct FrameWish {
-    Kind kind = Kind::Delta;   ///< Key where the receiver has lost a frame
-    double quantiser = 23.0;   ///< x264's rate factor, 0..51; 6 more halve the bytes, about
+    Kind kind = Kind::Delta;     ///< Key where the receiver has lost a frame
+    double quantiser = 23.0;     ///< x264's rate factor, 0..51; 6 more halve the bytes, about
     std::size_t most_bytes = 0;  ///< of one frame, on average over two; 0: no bound
     /// This frame may have twice as many, as after a step of the grid.
     enum class Burst { No, Yes };

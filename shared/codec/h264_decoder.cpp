@@ -66,7 +66,8 @@ class Decoder final : public H264Decoder {
     packet_->size = static_cast<int>(bytes.size());
     if (avcodec_send_packet(context_.get(), packet_.get()) < 0 ||
         avcodec_receive_frame(context_.get(), frame_.get()) < 0) {
-      return bad_input("a frame that cannot be decoded", kPlace, "whole frames, from a key frame on");
+      return bad_input("a frame that cannot be decoded", kPlace,
+                       "whole frames, from a key frame on");
     }
     if (frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
       return bad_input("a frame with damage", kPlace);

@@ -192,12 +192,12 @@ class Encoder final : public H264Encoder {
   float* spread_offsets(const image::Plane<Rgb8>& picture, std::span<const float> offsets) {
     if (offsets.empty()) return nullptr;
     const std::size_t across = blocks_of(canvas_.width_px()), down = blocks_of(canvas_.height_px());
-    const std::size_t own_across = blocks_of(picture.width()), own_down = blocks_of(picture.height());
+    const std::size_t own_across = blocks_of(picture.width()),
+                      own_down = blocks_of(picture.height());
     offsets_.assign(across * down, kOutsideOffset);
     for (std::size_t y = 0; y < own_down; ++y) {
       const auto row = offsets.subspan(y * own_across, own_across);
-      std::copy(row.begin(), row.end(),
-                offsets_.begin() + static_cast<std::ptrdiff_t>(y * across));
+      std::copy(row.begin(), row.end(), offsets_.begin() + static_cast<std::ptrdiff_t>(y * across));
     }
     return offsets_.data();
   }

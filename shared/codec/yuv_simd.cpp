@@ -10,7 +10,7 @@ namespace macula::codec::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Bytes = hn::CappedTag<std::uint8_t, kYuvRowPixels>;
-using Words = hn::RepartitionToWide<Bytes>;   // even and odd pixels apart
+using Words = hn::RepartitionToWide<Bytes>;  // even and odd pixels apart
 using Shorts = hn::RebindToSigned<Words>;
 using ByteVec = hn::Vec<Bytes>;
 using ShortVec = hn::Vec<Shorts>;
@@ -38,14 +38,14 @@ HWY_INLINE HWY_ATTR ShortVec odd(ByteVec v) {
 /// To whole levels, within 0..255.
 HWY_INLINE HWY_ATTR ShortVec to_level(ShortVec fixed) {
   const Shorts d;
-  const auto whole =
-      hn::ShiftRight<kFraction>(
-          hn::SaturatedAdd(fixed, hn::Set(d, std::int16_t{1 << (kFraction - 1)})));
+  const auto whole = hn::ShiftRight<kFraction>(
+      hn::SaturatedAdd(fixed, hn::Set(d, std::int16_t{1 << (kFraction - 1)})));
   return hn::Min(hn::Max(whole, hn::Zero(d)), hn::Set(d, std::int16_t{255}));
 }
 HWY_INLINE HWY_ATTR ByteVec interleave(ShortVec evens, ShortVec odds) {
   const Words w;
-  return hn::BitCast(Bytes(), hn::Or(hn::BitCast(w, evens), hn::ShiftLeft<8>(hn::BitCast(w, odds))));
+  return hn::BitCast(Bytes(),
+                     hn::Or(hn::BitCast(w, evens), hn::ShiftLeft<8>(hn::BitCast(w, odds))));
 }
 
 struct Pixels {

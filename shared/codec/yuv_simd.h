@@ -1,6 +1,6 @@
-// 8-bit RGB <-> YCbCr 4:2:0 planes, BT.709 at full range (ITU-R BT.709-6, 3.2 to 3.4; chroma sits in
-// the middle of its four pixels and is their mean, and spreads over them again), two rows at a time,
-// in vectors. Internal to this room. Thread-safe.
+// 8-bit RGB <-> YCbCr 4:2:0 planes, BT.709 at full range (ITU-R BT.709-6, 3.2 to 3.4; chroma sits
+// in the middle of its four pixels and is their mean, and spreads over them again), two rows at a
+// time, in vectors. Internal to this room. Thread-safe.
 #pragma once
 
 #include <cstddef>

@@ -44,8 +44,7 @@ void GazeFollower::add(const Gaze& measured, ClientTime at) {
 void GazeFollower::take_sample(const Vec3& direction, ClientTime at) {
   const double passed_s = units::to_s(at - usable_at_);
   const bool was_lost = phase_ == GazePhase::Held || phase_ == GazePhase::Lost;
-  const double speed =
-      was_lost ? 0.0 : degrees_between(raw_, direction) / std::max(passed_s, 1e-3);
+  const double speed = was_lost ? 0.0 : degrees_between(raw_, direction) / std::max(passed_s, 1e-3);
   usable_at_ = at;
   // A jump is no drift: it counts as its threshold.
   speeds_.push_back({at, std::min(speed, options_.saccade_deg_per_s)});
@@ -57,8 +56,8 @@ void GazeFollower::take_sample(const Vec3& direction, ClientTime at) {
     }
     if (speed > saccade_peak_deg_per_s_) {
       saccade_peak_deg_per_s_ = speed;
-      peak_at_deg_ = 0.5 * (degrees_between(saccade_from_, raw_) +
-                            degrees_between(saccade_from_, direction));
+      peak_at_deg_ =
+          0.5 * (degrees_between(saccade_from_, raw_) + degrees_between(saccade_from_, direction));
     }
     phase_ = GazePhase::Saccade;
     smooth_ = direction;
@@ -113,8 +112,9 @@ FollowedGaze GazeFollower::follow(Nanoseconds age) {
   const double age_s = std::max(units::to_s(age + options_.lag), 0.0);
   // A saccade's speed is not the landed eye's: the next samples will tell.
   const double speed = phase_ == GazePhase::Fixation ? mean_speed() : 0.0;
-  const double radius = std::min(
-      options_.base_radius.value() + options_.speed_share * speed * age_s, options_.most_radius.value());
+  const double radius =
+      std::min(options_.base_radius.value() + options_.speed_share * speed * age_s,
+               options_.most_radius.value());
   const double aside = degrees_between(centre_, followed.gaze.direction);
   followed.radius = Degrees{radius + aside};
   return followed;

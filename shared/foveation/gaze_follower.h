@@ -23,9 +23,9 @@ struct GazeFollowerOptions {
   double speed_share = 0.5;        ///< of speed x age; eyes turn back more often than they go on
   Degrees rest{0.0};               ///< the centre stays while the gaze is within this of it
   double saccade_deg_per_s = 100;  ///< above it the eye jumps
-  Nanoseconds lag{std::chrono::milliseconds{8}};       ///< of smoothing, between saccades
-  Nanoseconds blink{std::chrono::milliseconds{400}};   ///< a lost gaze is held so long
-  Nanoseconds glide{std::chrono::milliseconds{300}};   ///< then comes e times nearer the middle
+  Nanoseconds lag{std::chrono::milliseconds{8}};      ///< of smoothing, between saccades
+  Nanoseconds blink{std::chrono::milliseconds{400}};  ///< a lost gaze is held so long
+  Nanoseconds glide{std::chrono::milliseconds{300}};  ///< then comes e times nearer the middle
 };
 
 enum class GazePhase { Fixation, Saccade, Held, Lost };

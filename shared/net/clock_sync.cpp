@@ -115,7 +115,8 @@ std::optional<ClockEstimate> ClockSync::estimate(ClientTime now) const {
     most = std::min(most, kept.offset + reach_of(kept));
   }
   const double slope = skew();
-  const auto carried = Nanoseconds{std::llround(slope * static_cast<double>((now - best->at).count()))};
+  const auto carried =
+      Nanoseconds{std::llround(slope * static_cast<double>((now - best->at).count()))};
   const Nanoseconds offset =
       least <= most ? std::clamp(best->offset + carried, least, most) : best->offset;
   const Nanoseconds bound =

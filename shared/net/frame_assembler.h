@@ -30,8 +30,8 @@ class FrameAssembler {
   /// anew.
   void start_epoch(std::uint32_t epoch);
 
-  /// `begin` has passed check_frame_begin. Grids that it leaves out are filled in; one that leans on
-  /// a grid that never came is discarded.
+  /// `begin` has passed check_frame_begin. Grids that it leaves out are filled in; one that leans
+  /// on a grid that never came is discarded.
   Step begin(FrameBegin begin, ClientTime now);
   Step slice(const SliceHeader& header, std::span<const std::byte> bytes);
   Step end(const FrameEnd& end, ClientTime now);
@@ -65,8 +65,8 @@ class FrameAssembler {
   std::optional<ReceivedFrame> arriving_;
   std::size_t next_slice_ = 0;  ///< directory entry that the next bytes belong to
   std::optional<ReceivedFrame> complete_;
-  std::uint64_t grid_frame_ = 0;   ///< the last frame of this epoch that brought grids
-  std::vector<PixelGrid> grids_;   ///< its, by eye
+  std::uint64_t grid_frame_ = 0;  ///< the last frame of this epoch that brought grids
+  std::vector<PixelGrid> grids_;  ///< its, by eye
   std::uint64_t incomplete_ = 0;
 };
 

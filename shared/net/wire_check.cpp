@@ -89,7 +89,7 @@ Result<void> check_slice(const SliceEntry& slice, const std::string& where,
   const PixelGrid& grid = begin.views[slice.eye].grid;
   const image::Rect& rect = slice.rect;
   if (is_known && (rect.x < 0 || rect.y < 0 || rect.width < 1 || rect.height < 1 ||
-      rect.width > grid.width() - rect.x || rect.height > grid.height() - rect.y)) {
+                   rect.width > grid.width() - rect.x || rect.height > grid.height() - rect.y)) {
     return bad_input(concat(rect.width, "x", rect.height, "+", rect.x, "+", rect.y),
                      where + ".rect",
                      concat("inside the grid of ", grid.width(), "x", grid.height(), " cells"));

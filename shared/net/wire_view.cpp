@@ -20,8 +20,9 @@ Acks read(const v1::Acks& in) {
   // A round trip beyond ten seconds is a mistake or a lie; it then says nothing.
   constexpr std::int64_t kMost_ns = 10'000'000'000;
   const std::int64_t rtt_ns = in.least_rtt_ns();
-  return {in.epoch(),           in.received(), in.receiving(),
-          in.receiving_bytes(), in.need_key(), Nanoseconds{rtt_ns <= kMost_ns ? std::max<std::int64_t>(rtt_ns, 0) : 0}};
+  return {in.epoch(),     in.received(),
+          in.receiving(), in.receiving_bytes(),
+          in.need_key(),  Nanoseconds{rtt_ns <= kMost_ns ? std::max<std::int64_t>(rtt_ns, 0) : 0}};
 }
 
 void write(const ViewState& view, v1::ViewState& out) {

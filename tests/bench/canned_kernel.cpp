@@ -8,13 +8,14 @@
 namespace macula::bench {
 namespace {
 
-constexpr int kSide = 1024;  // texels of the period, a power of two
+constexpr int kSide = 1024;                  // texels of the period, a power of two
 constexpr double kTexelsPerRadian = 1200.0;  // finer than a headset's 20 pixels per degree
 constexpr float kDepthPeriod_texels = 256.0F;
 
 float hashed(int octave, int x, int y) {
-  const auto key = math::hash_combine(static_cast<std::uint64_t>(octave) << 40 | static_cast<std::uint64_t>(x) << 20,
-                                      static_cast<std::uint64_t>(y));
+  const auto key = math::hash_combine(
+      static_cast<std::uint64_t>(octave) << 40 | static_cast<std::uint64_t>(x) << 20,
+      static_cast<std::uint64_t>(y));
   return 2.0F * math::unit_float(key) - 1.0F;
 }
 
@@ -26,7 +27,8 @@ float octave_at(int octave, int cells, int x, int y) {
   const auto smooth = [](float t) { return t * t * (3.0F - 2.0F * t); };
   const float s = smooth(u - static_cast<float>(i)), t = smooth(v - static_cast<float>(j));
   const auto at = [&](int a, int b) { return hashed(octave, a % cells, b % cells); };
-  return std::lerp(std::lerp(at(i, j), at(i + 1, j), s), std::lerp(at(i, j + 1), at(i + 1, j + 1), s), t);
+  return std::lerp(std::lerp(at(i, j), at(i + 1, j), s),
+                   std::lerp(at(i, j + 1), at(i + 1, j + 1), s), t);
 }
 
 std::vector<Rgb> make_texture() {
@@ -35,7 +37,8 @@ std::vector<Rgb> make_texture() {
     for (int x = 0; x < kSide; ++x) {
       float value = 0.0F;
       for (int octave = 0; octave < 8; ++octave) {
-        value += 0.35F * octave_at(octave, 4 << octave, x, y) / std::sqrt(1.0F + static_cast<float>(octave));
+        value += 0.35F * octave_at(octave, 4 << octave, x, y) /
+                 std::sqrt(1.0F + static_cast<float>(octave));
       }
       const float grey = std::clamp(0.25F * std::exp2(1.5F * value), 0.0F, 1.0F);
       const float warm = 0.12F * octave_at(20, 8, x, y);
@@ -49,7 +52,8 @@ std::vector<Rgb> make_texture() {
 /// How far the head's turn pans the texture, in texels.
 DVec2 pan_of(const Pose& world_from_view) {
   const DVec3 ahead = world_from_view.transform_direction(DVec3{0.0, 0.0, -1.0});
-  const double yaw = std::atan2(ahead.x, -ahead.z), pitch = std::asin(std::clamp(ahead.y, -1.0, 1.0));
+  const double yaw = std::atan2(ahead.x, -ahead.z),
+               pitch = std::asin(std::clamp(ahead.y, -1.0, 1.0));
   return kTexelsPerRadian * DVec2{yaw, -pitch};
 }
 
@@ -69,7 +73,8 @@ float wave(int texel) {
 
 }  // namespace
 
-CannedPattern::CannedPattern(double noise_levels) : texture_(make_texture()), noise_(noise_levels) {}
+CannedPattern::CannedPattern(double noise_levels)
+    : texture_(make_texture()), noise_(noise_levels) {}
 
 void CannedPattern::fill(const Pose& world_from_view, const PixelGrid& grid, std::uint64_t frame,
                          image::Plane<Rgb>& radiance, image::Plane<float>& depth_m) const {

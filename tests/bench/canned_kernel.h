@@ -25,7 +25,8 @@ class CannedPattern {
 
 class CannedKernel final : public kernels::Kernel {
  public:
-  explicit CannedKernel(std::shared_ptr<const CannedPattern> pattern) : pattern_(std::move(pattern)) {}
+  explicit CannedKernel(std::shared_ptr<const CannedPattern> pattern)
+      : pattern_(std::move(pattern)) {}
   kernels::FrameReport render(const kernels::FrameRequest& request, const kernels::SceneFrame&,
                               kernels::History&, scheduling::TileScheduler&,
                               kernels::FrameBuffers& out) const override;

@@ -20,6 +20,7 @@
 #include "tests/bench/culling_method.h"
 #include "tests/bench/light_tree.h"
 #include "tests/bench/lightcuts.h"
+#include "tests/bench/maps.h"
 #include "tests/bench/motion.h"
 #include "tests/bench/ray.h"
 #include "tests/bench/reprojection.h"
@@ -563,6 +564,32 @@ Run declare_warp(CLI::App& command) {
   };
 }
 
+Run declare_maps(CLI::App& command) {
+  auto options = std::make_shared<MapsOptions>();
+  auto size = std::make_shared<std::string>();
+  auto quick = std::make_shared<bool>(false);
+  command.add_option("--scenes", options->scenes, "Built-in scenes or scene files")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (posts,atrium,city)");
+  command.add_option("--gazes", options->gazes, "Where the eye looks; give it several times")
+      ->option_text("YAW,PITCH ... (0,0 15,-8)");
+  command.add_option("--size", *size, "Pixels of the display (1440x1600)")->option_text("WxH");
+  command.add_option("--fov", options->vertical_fov_deg, "Vertical field of view, degrees")
+      ->check(CLI::Range(10.0, 140.0))
+      ->option_text("DEG (96)");
+  command.add_flag("--quick", *quick, "One scene, one gaze, half the pixels a side");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  return [options, size, quick]() -> Result<void> {
+    if (*quick) make_quick(*options);
+    if (!size->empty()) {
+      const auto pixels = parse_size("--size", *size);
+      if (!pixels) return base::forward(pixels);
+      options->width_px = pixels->width_px, options->height_px = pixels->height_px;
+    }
+    return run_maps(*options);
+  };
+}
+
 Run declare_streaming(CLI::App& command) {
   auto options = std::make_shared<StreamingOptions>();
   auto size = std::make_shared<std::string>();
@@ -573,7 +600,8 @@ Run declare_streaming(CLI::App& command) {
       ->delimiter(',')
       ->check(CLI::IsMember(link_names()))
       ->option_text("NAME,... (all)");
-  command.add_option("--network", options->network_folder, "A row for each recorded link in a folder")
+  command
+      .add_option("--network", options->network_folder, "A row for each recorded link in a folder")
       ->option_text("DIR");
   command.add_option("--trace", options->trace, "Head and gaze (a made-up viewer)")
       ->option_text("FILE.csv");
@@ -596,7 +624,9 @@ Run declare_streaming(CLI::App& command) {
   command.add_option("--quality", options->quality, "Of colour, on JPEG's scale")
       ->check(CLI::Range(1, 100))
       ->option_text("N (85)");
-  command.add_option("--frame-kb", options->frame_kb, "JPEG of the quality that gives so many kB a frame")
+  command
+      .add_option("--frame-kb", options->frame_kb,
+                  "JPEG of the quality that gives so many kB a frame")
       ->check(CLI::Range(1, 10000))
       ->option_text("N");
   command.add_option("--noise", options->noise_levels, "Grain of the pattern, in levels of 255")
@@ -622,6 +652,7 @@ constexpr Experiment kExperiments[] = {
     {"culling", "Kernel culling against its baselines, error and time", declare_culling},
     {"light-tree", "What a tree over moving lights costs, and walks down it", declare_light_tree},
     {"lightcuts", "Methods of kernel lightcuts at equal time and equal error", declare_lightcuts},
+    {"maps", "Bytes that foveation maps need for the same picture, to the eye", declare_maps},
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},

@@ -79,8 +79,8 @@ Result<Source> make_source(const StreamingOptions& options) {
   }
   std::vector<std::string_view> registered;
   for (const auto& entry : kernels::kernel_table()) registered.push_back(entry.name);
-  const auto choice = scene::choose_kernel(scene::facts_of(**scene),
-                                           scene::IndirectLight::NotWanted, registered);
+  const auto choice =
+      scene::choose_kernel(scene::facts_of(**scene), scene::IndirectLight::NotWanted, registered);
   auto kernel = kernels::make_kernel(choice.kernel, {});
   if (!kernel) return forward(kernel);
   source.kernel = std::move(*kernel);
@@ -143,8 +143,7 @@ Result<session::ServerConfig> server_config(const StreamingOptions& options, con
 }
 
 Result<std::unique_ptr<session::Server>> start_server(const session::ServerConfig& config,
-                                                      const Source& source,
-                                                      const std::string& keys,
+                                                      const Source& source, const std::string& keys,
                                                       const base::Clock& clock) {
   net::ServerEndpointOptions wire;
   wire.bind = "tcp://127.0.0.1:0";
@@ -253,9 +252,9 @@ double gp_psnr_of(const frames::DecodedFrame& frame, const Source& source,
                   const foveation::Display& display) {
   const net::FrameView& view = frame.begin.views[0];
   image::Plane<Rgb8> shown(display.width_px, display.height_px);
-  reprojection::Warper().warp({view.stage_from_view, view.grid, frame.eyes[0].color,
-                               frame.eyes[0].inverse_depth_per_m},
-                              view.stage_from_view, display, {}, shown);
+  reprojection::Warper().warp(
+      {view.stage_from_view, view.grid, frame.eyes[0].color, frame.eyes[0].inverse_depth_per_m},
+      view.stage_from_view, display, {}, shown);
   const auto truth = source_picture(source, frame.begin, foveation::make_uniform_grid(display));
   const DVec2 pixel = display.pixel_tangent(), low = display.fov.tangent_min();
   metrics::GazedView gazed;
@@ -274,11 +273,13 @@ Judged judge(const Viewed& viewed, const Source& source, const foveation::Displa
   const std::size_t step = std::max<std::size_t>(viewed.samples.size() / kMostPictures, 1);
   for (std::size_t i = 0; i < viewed.samples.size(); i += step) {
     const frames::DecodedFrame& frame = *viewed.samples[i];
-    add_cell_errors(frame, source_picture(source, frame.begin, frame.begin.views[0].grid), squares, counts);
+    add_cell_errors(frame, source_picture(source, frame.begin, frame.begin.views[0].grid), squares,
+                    counts);
     gp.add(gp_psnr_of(frame, source, display));
   }
   const auto db = [&](std::size_t i) {
-    return -10.0 * std::log10(std::max(squares[i] / std::max(counts[i], 1.0), 1e-9) / (255.0 * 255.0));
+    return -10.0 *
+           std::log10(std::max(squares[i] / std::max(counts[i], 1.0), 1e-9) / (255.0 * 255.0));
   };
   judged.f10_db = db(0);
   judged.out10_db = db(1);
@@ -364,9 +365,11 @@ Fields row_of(const StreamingOptions& options, const StreamingLink& link, const 
   return {{"source", std::filesystem::path(options.source).stem().string()},
           {"link", link.name},
           {"codec", run.codec},
-          {"trace", options.trace.empty() ? "demo" : std::filesystem::path(options.trace).stem().string()},
+          {"trace",
+           options.trace.empty() ? "demo" : std::filesystem::path(options.trace).stem().string()},
           {"fps", static_cast<double>(v.shown) / std::max(v.duration_s, 1e-3)},
-          {"shown_pct", 100.0 * static_cast<double>(v.shown) / std::max<double>(static_cast<double>(v.received), 1.0)},
+          {"shown_pct", 100.0 * static_cast<double>(v.shown) /
+                            std::max<double>(static_cast<double>(v.received), 1.0)},
           {"transit_p50_ms", v.transit_ms.quantile(0.5)},
           {"transit_p99_ms", v.transit_ms.quantile(0.99)},
           {"age_p50_ms", v.ages.pose_ms.quantile(0.5)},
@@ -426,8 +429,7 @@ Result<Fields> run_link(const StreamingOptions& options, const Source& source,
   if (codec::can_decode_h264()) wire.hello.codecs.push_back("h264");
   auto endpoint = net::ClientEndpoint::create(wire, clock);
   if (!endpoint) return forward(endpoint);
-  client_app::EyeRig rig;
-  rig.display = display;
+  const auto rig = client_app::EyeRig::side_by_side(display, 2, Meters{0.063}, Meters{1.0});
   Progress progress(link.name, 100);
   int shown_percent = 0;
   Run run;
@@ -449,8 +451,9 @@ Result<Fields> run_link(const StreamingOptions& options, const Source& source,
 
 Result<std::vector<StreamingLink>> wanted_links(const StreamingOptions& options) {
   std::vector<StreamingLink> links;
-  const std::vector<std::string> names =
-      !options.links.empty() || !options.network_folder.empty() ? options.links : plain_link_names();
+  const std::vector<std::string> names = !options.links.empty() || !options.network_folder.empty()
+                                             ? options.links
+                                             : plain_link_names();
   for (const std::string& name : names) {
     auto link = plain_link(name);
     if (!link) return forward(link);

@@ -4,12 +4,12 @@
 //   age_p99_ms gaze_age_p95_ms kbps bytes_per_frame encode_cpu_ms decode_cpu_ms psnr_f10_db
 //   psnr_out10_db gp_psnr_db closure_error_max_ms clock_error_max_ms clock_bound_broken
 //   recovery_ms stall_max_ms cells_pct
-// A frame is encoded, waits for its credit and crosses the link: transit is from encoded to its last
-// byte. Ages are from reading the pose (or gaze) behind a frame to the refresh that shows it, of
-// every refresh. Both ends read one clock here, so the true clock offset is 0. recovery_ms: from the
-// end of the link's own outage to the first new frame shown. PSNR is of cells against the source,
-// gp_psnr of the picture warped to the frame's own pose against the source on the display's raster;
-// both of a few frames, of eye 0, where the source is `pattern`.
+// A frame is encoded, waits for its credit and crosses the link: transit is from encoded to its
+// last byte. Ages are from reading the pose (or gaze) behind a frame to the refresh that shows it,
+// of every refresh. Both ends read one clock here, so the true clock offset is 0. recovery_ms: from
+// the end of the link's own outage to the first new frame shown. PSNR is of cells against the
+// source, gp_psnr of the picture warped to the frame's own pose against the source on the display's
+// raster; both of a few frames, of eye 0, where the source is `pattern`.
 #pragma once
 
 #include <string>
@@ -26,14 +26,14 @@ struct StreamingOptions {
   std::string trace;               ///< CSV; empty: the client's made-up viewer
   std::string codec = "auto";
   std::string effort = "ultrafast";
-  double seconds = 60.0;           ///< a link
+  double seconds = 60.0;                ///< a link
   int width_px = 720, height_px = 800;  ///< of an eye's display
   double vertical_fov_deg = 90.0;
-  double age_ms = 100.0;           ///< the server's goal; 0: none
+  double age_ms = 100.0;  ///< the server's goal; 0: none
   int quality = 85;
-  int frame_kb = 0;                ///< canned: JPEG of the quality that gives so many; 0: as set
+  int frame_kb = 0;  ///< canned: JPEG of the quality that gives so many; 0: as set
   double noise_levels = 0.0;
-  std::string grid = "foveal";     ///< or uniform
+  std::string grid = "foveal";  ///< or uniform
   std::string json;
 };
 /// 20 s a link.

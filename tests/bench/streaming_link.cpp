@@ -18,7 +18,8 @@ constexpr double kMbit = 1e6 / 8.0;
 LinkShape rated(double mbit_per_s, std::chrono::nanoseconds delay = 4ms) {
   LinkShape shape{.delay = delay, .bytes_per_s = mbit_per_s * kMbit};
   const double seconds = 1e-9 * static_cast<double>(delay.count()) + 0.02;
-  shape.buffer_bytes = std::max<std::size_t>(static_cast<std::size_t>(shape.bytes_per_s * seconds), 32768);
+  shape.buffer_bytes =
+      std::max<std::size_t>(static_cast<std::size_t>(shape.bytes_per_s * seconds), 32768);
   return shape;
 }
 

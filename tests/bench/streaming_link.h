@@ -13,7 +13,7 @@ namespace macula::bench {
 struct StreamingLink {
   std::string name;
   bool has_proxy = true;
-  support::LinkShape shape;  ///< both ways
+  support::LinkShape shape;                    ///< both ways
   std::optional<support::LinkTrace> down, up;  ///< instead
   /// Nothing passes from this share of the run on, for `outage`.
   std::chrono::milliseconds outage{0};

@@ -88,9 +88,9 @@ void note_first_showing(const frames::FramePtr& frame, ClientTime begin, ClientT
   viewed.news.push_back(shown);
   if (viewed.shown % 72 == 30) viewed.samples.push_back(frame);
   if (const auto clock = endpoint.clock()) {
-    book.note_shown(frame->id(), frame->end,
-                    {frame->begin.view_sampled, frame->last_byte, frame->decoded, begin, begin, shown},
-                    *clock);
+    book.note_shown(
+        frame->id(), frame->end,
+        {frame->begin.view_sampled, frame->last_byte, frame->decoded, begin, begin, shown}, *clock);
   }
 }
 
@@ -111,7 +111,7 @@ Viewed view_stream(net::ClientEndpoint& endpoint, const base::Clock& clock,
     auto head = poses.sample(refresh.pose_time);
     if (!head) break;
     head->at = head->gaze_at = refresh.begin;
-    endpoint.publish(view_of(rig, *head, sequence, refreshes.period()));
+    endpoint.publish(view_of(rig, *head, sequence, refresh.display - refresh.begin));
     while (endpoint.take_event()) {
     }
     const frames::FramePtr frame = receiver.store().newest();

@@ -18,12 +18,12 @@ namespace macula::bench {
 
 struct Viewed {
   std::uint64_t refreshes = 0, with_picture = 0, shown = 0, received = 0;
-  frames::Ages ages;               ///< of every refresh with a picture
-  frames::Series transit_ms;       ///< of every frame decoded: encoded -> last byte
+  frames::Ages ages;          ///< of every refresh with a picture
+  frames::Series transit_ms;  ///< of every frame decoded: encoded -> last byte
   frames::Series frame_bytes, decode_cpu_ms, cells;
   frames::Series clock_error_ms;
   std::uint64_t clock_bound_broken = 0;
-  std::vector<ClientTime> news;         ///< when refreshes showed a new frame
+  std::vector<ClientTime> news;  ///< when refreshes showed a new frame
   std::vector<double> age_ms_by_refresh;
   std::vector<ClientTime> refresh_at;
   std::vector<frames::FramePtr> samples;  ///< one a second or so, for judging pictures

@@ -27,6 +27,7 @@ class ListeningEndpoint final : public net::ClientEndpoint {
     if (frame) begins.push_back(frame->begin);
     return frame;
   }
+  void request_key() override { endpoint_->request_key(); }
   std::optional<net::ClientEvent> take_event() override { return endpoint_->take_event(); }
   std::optional<net::ClockEstimate> clock() const override { return endpoint_->clock(); }
   net::ClientCounters counters() const override { return endpoint_->counters(); }

@@ -44,6 +44,7 @@ struct LoopbackServerOptions {
   std::string bind = "tcp://127.0.0.1:0";
   session::StageDelays delays;    ///< of the server's own stages
   net::ServerDelays wire_delays;  ///< of its endpoint
+  std::string record;             ///< file; empty: nothing is recorded
 };
 
 /// Serves from construction to destruction.
@@ -60,19 +61,31 @@ class LoopbackServer {
       ADD_FAILURE() << endpoint.error().message();
       return;
     }
-    session::ServerConfig config;
+    session::ServerConfig config = make_config();
     config.delays = options.delays;
     session::ServerParts parts;
     parts.endpoint = std::move(*endpoint);
     parts.scene = shared_scene();
-    parts.kernel = std::move(*kernels::make_kernel("ray", cheap()));
+    parts.kernel = make_kernel();
     parts.scheduler = std::make_shared<scheduling::TileScheduler>(1);
     parts.clock = &clock_;
     parts.random = [device = std::make_shared<std::random_device>()] {
       return static_cast<std::uint64_t>((*device)()) << 32 | (*device)();
     };
+    if (!options.record.empty()) {
+      parts.recorder = std::move(*session::Recorder::create(options.record, "loopback test"));
+    }
     server_ = std::move(*session::Server::create(config, std::move(parts)));
     server_->start();
+  }
+
+  static session::ServerConfig make_config() { return {}; }
+  static std::unique_ptr<kernels::Kernel> make_kernel() {
+    return std::move(*kernels::make_kernel("ray", cheap()));
+  }
+  static std::shared_ptr<kernels::SceneTimeline> shared_scene() {
+    static const auto timeline = *kernels::SceneTimeline::create(*scene::load_scene("cornell"));
+    return timeline;
   }
 
   session::Server& operator*() { return *server_; }
@@ -84,10 +97,6 @@ class LoopbackServer {
     options.area_light_samples = 1;
     options.ambient_samples = 0;
     return options;
-  }
-  static std::shared_ptr<kernels::SceneTimeline> shared_scene() {
-    static const auto timeline = *kernels::SceneTimeline::create(*scene::load_scene("cornell"));
-    return timeline;
   }
 
   base::SteadyClock clock_;
@@ -106,6 +115,7 @@ class EndpointClient {
     options.hello.program = "loopback test";
     options.hello.eyes.assign(2, display());
     options.hello.codecs = {"jpeg", "lossless"};
+    if (codec::can_decode_h264()) options.hello.codecs.push_back("h264");
     auto created = net::ClientEndpoint::create(options, clock_);
     if (!created) {
       ADD_FAILURE() << created.error().message();

@@ -82,8 +82,8 @@ sockaddr_in address_of(const std::string& endpoint) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(
-      static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+  address.sin_port =
+      htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
   return address;
 }
 
@@ -266,7 +266,8 @@ TEST_F(ThroughAProxy, AHalfOpenConnectionTakesBytesAndTellsNobody) {
 
 TEST(LinkTrace, ReadsEveryRecordingHandedIn) {
   MACULA_NEEDS_HANDED_DATA("network/lte_att_driving2016_down.csv");
-  const auto lte = load_link_trace((test::handed_data() / "network/lte_att_driving2016_down.csv").string());
+  const auto lte =
+      load_link_trace((test::handed_data() / "network/lte_att_driving2016_down.csv").string());
   ASSERT_TRUE(lte);
   EXPECT_NEAR(lte->steps[1].shape.bytes_per_s, 26.76e6 / 8.0, 1.0);
   EXPECT_NEAR(static_cast<double>(lte->lasts.count()), 120e9, 0.2e9);

@@ -64,7 +64,8 @@ Result<LinkTrace> load_link_trace(const std::string& path, const LinkShape& base
     const std::vector<std::string> cells = cells_of(line);
     const std::size_t needed = std::max(columns->time, columns->value);
     char* end = nullptr;
-    const double at = cells.size() > needed ? std::strtod(cells[columns->time].c_str(), &end) : -1.0;
+    const double at =
+        cells.size() > needed ? std::strtod(cells[columns->time].c_str(), &end) : -1.0;
     if (!(at >= 0.0) || (!trace.steps.empty() && from_s(at) < trace.steps.back().at)) {
       return base::bad_input("not a later time", base::concat(path, ":", number));
     }
@@ -73,7 +74,8 @@ Result<LinkTrace> load_link_trace(const std::string& path, const LinkShape& base
   }
   if (trace.steps.empty()) return base::bad_input("no samples", path);
   const auto count = static_cast<std::int64_t>(trace.steps.size());
-  trace.lasts = trace.steps.back().at + std::max(trace.steps.back().at / count, nanoseconds{1'000'000});
+  trace.lasts =
+      trace.steps.back().at + std::max(trace.steps.back().at / count, nanoseconds{1'000'000});
   return trace;
 }
 

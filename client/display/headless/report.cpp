@@ -92,6 +92,16 @@ Json config_json(const ClientReport& report) {
   return config;
 }
 
+Result<void> write_text(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) {
+    return base::runtime_error("cannot be written", path, "check the folder and the free space");
+  }
+  return {};
+}
+
 }  // namespace
 
 const char* name(RunEnd end) {
@@ -146,14 +156,24 @@ std::string to_json(const ClientReport& report) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-Result<void> write_report(const std::string& path, const ClientReport& report) {
-  std::ofstream file(path, std::ios::binary);
-  file << to_json(report);
-  file.close();
-  if (!file) {
-    return base::runtime_error("cannot be written", path, "check the folder and the free space");
+std::string frames_csv(const ClientReport& report) {
+  std::ostringstream text;
+  text << "epoch,frame";
+  for (std::size_t i = 0; i < frames::kStageCount; ++i) {
+    text << ',' << frames::name(static_cast<frames::Stage>(i)) << "_ms";
   }
-  return {};
+  text << ",unattributed_ms,total_ms\n";
+  for (const auto& [id, times] : report.accounts) {
+    text << id.epoch << ',' << id.frame;
+    for (const Nanoseconds stage : times.stages) text << ',' << units::to_ms(stage);
+    text << ',' << units::to_ms(times.unattributed) << ',' << units::to_ms(times.total) << '\n';
+  }
+  return std::move(text).str();
+}
+
+Result<void> write_reports(const std::string& folder, const ClientReport& report) {
+  if (auto done = write_text(folder + "/report.json", to_json(report)); !done) return done;
+  return write_text(folder + "/frames.csv", frames_csv(report));
 }
 
 std::string summary(const ClientReport& report) {

@@ -54,8 +54,10 @@ struct ClientReport {
 };
 
 std::string to_json(const ClientReport& report);
-/// Errors name the file.
-Result<void> write_report(const std::string& path, const ClientReport& report);
+/// A row for every account: epoch, frame, each stage, unattributed and total, in ms.
+std::string frames_csv(const ClientReport& report);
+/// report.json and frames.csv into a folder. Errors name the file.
+Result<void> write_reports(const std::string& folder, const ClientReport& report);
 /// A few lines for the terminal.
 std::string summary(const ClientReport& report);
 

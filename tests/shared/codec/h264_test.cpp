@@ -34,7 +34,8 @@ Plane<Rgb8> textured(int width, int height, int shift) {
       value += static_cast<double>(grain >> 27) - 16.0;
       for (int octave = 0; octave < 5; ++octave) {
         const double f = 0.02 * (1 << octave);
-        value += 50.0 / (1 << octave) * std::sin(f * u + 0.3 * octave) * std::sin(f * v * 1.1 + octave);
+        value +=
+            50.0 / (1 << octave) * std::sin(f * u + 0.3 * octave) * std::sin(f * v * 1.1 + octave);
       }
       picture(x, y) = {level(1.1 * value), level(value), level(0.8 * value + 20.0)};
     }
@@ -153,9 +154,9 @@ TEST_F(H264, BytesStayWithinTheirBoundAndTheBoundMayChange) {
   const auto mean_bytes = [&](std::size_t most, int first) {
     double sum = 0.0;
     for (int i = 0; i < 20; ++i) {
-      sum += static_cast<double>(encode(textured(320, 240, 7 * (first + i)),
-                                        {.quantiser = 10.0, .most_bytes = most})
-                                     .bytes.size());
+      sum += static_cast<double>(
+          encode(textured(320, 240, 7 * (first + i)), {.quantiser = 10.0, .most_bytes = most})
+              .bytes.size());
     }
     return sum / 20.0;
   };
@@ -212,7 +213,8 @@ TEST_F(H264, DamagedBytesAreRefusedOrGiveAPictureAndNeverMore) {
 TEST_F(H264, ADecoderGoesOnWithTheNextKeyFrameAfterDamage) {
   auto key = encode(textured(96, 96, 0));
   Plane<Rgb8> picture(96, 96);
-  EXPECT_FALSE(decoder_->decode(std::span(key.bytes).first(key.bytes.size() / 3), picture.rect(), picture));
+  EXPECT_FALSE(
+      decoder_->decode(std::span(key.bytes).first(key.bytes.size() / 3), picture.rect(), picture));
   const auto next = encode(textured(96, 96, 1), {.kind = Kind::Key});
   EXPECT_TRUE(decoder_->decode(next.bytes, picture.rect(), picture));
 }
@@ -272,7 +274,8 @@ TEST(QuantiserOffsets, AGazeOffTheGridIsMetByItsNearestEdge) {
   const foveation::Display display{math::symmetric_fov(Degrees{60.0}, 1.0), 160, 160};
   const PixelGrid grid = foveation::make_uniform_grid(display);
   for (const Vec3& direction : {Vec3{1.0F, 0.0F, -0.1F}, Vec3{1.0F, 0.0F, 0.5F}}) {
-    const auto offsets = quantiser_offsets(grid, Gaze{glm::normalize(direction)}, foveation::RateModel{});
+    const auto offsets =
+        quantiser_offsets(grid, Gaze{glm::normalize(direction)}, foveation::RateModel{});
     const auto finest = std::min_element(offsets.begin(), offsets.end()) - offsets.begin();
     EXPECT_EQ(finest % 10, 9) << "the rightmost macroblock";
   }

@@ -168,7 +168,8 @@ struct Misses {
 void count_misses(const std::vector<Recorded>& samples, Degrees base, Misses& misses) {
   const Display display{math::symmetric_fov(Degrees{90.0}, 1.0), 720, 720};
   const auto cells = [&](const FollowedGaze& followed, Degrees radius) {
-    const PixelGrid grid = make_foveal_grid(display, followed.gaze, RateModel{}, {.full_rate_radius = radius});
+    const PixelGrid grid =
+        make_foveal_grid(display, followed.gaze, RateModel{}, {.full_rate_radius = radius});
     return static_cast<double>(grid.width()) * grid.height();
   };
   GazeFollower follower({.base_radius = base});

@@ -123,7 +123,8 @@ TEST(ClockSync, KeepsTheLowestRoundTrip) {
   EXPECT_EQ(sync.estimate(at(milliseconds{300}))->server_minus_client, link.offset);
 }
 
-/// Errors in ms of an estimator that hears nothing for ten seconds after half a minute of exchanges.
+/// Errors in ms of an estimator that hears nothing for ten seconds after half a minute of
+/// exchanges.
 struct Silence {
   double with_skew_ms = 0.0, without_skew_ms = 0.0;
 };
@@ -137,14 +138,16 @@ Silence error_after_silence(double skew) {
   ClientTime now = at(seconds{1});
   Nanoseconds last_best{0};
   for (int i = 0; i < 300; ++i) {
-    const Nanoseconds up = milliseconds{4} + up_to(2'000'000), down = milliseconds{4} + up_to(2'000'000);
+    const Nanoseconds up = milliseconds{4} + up_to(2'000'000),
+                      down = milliseconds{4} + up_to(2'000'000);
     sync.add(link.exchange(now, up, microseconds{30}, down));
     last_best = sync.estimate(now)->server_minus_client;
     now += milliseconds{100};
   }
   now += seconds{10};
   const auto estimate = sync.estimate(now);
-  EXPECT_LE(std::chrono::abs(estimate->server_minus_client - link.true_offset(now)), estimate->bound);
+  EXPECT_LE(std::chrono::abs(estimate->server_minus_client - link.true_offset(now)),
+            estimate->bound);
   return {units::to_ms(std::chrono::abs(estimate->server_minus_client - link.true_offset(now))),
           units::to_ms(std::chrono::abs(last_best - link.true_offset(now)))};
 }

@@ -75,9 +75,17 @@ TEST(ClientReport, KeepsTextOfThePeerThatIsNotUtf8) {
 }
 
 TEST(ClientReport, NamesAFileItCannotWrite) {
-  const auto written = write_report("/nowhere/at/all/report.json", ClientReport{});
+  const auto written = write_reports("/nowhere/at/all", ClientReport{});
   ASSERT_FALSE(written);
   EXPECT_EQ(written.error().where, "/nowhere/at/all/report.json");
+}
+
+TEST(ClientReport, HasALineForEveryFrameWhoseTimeIsAccountedFor) {
+  EXPECT_EQ(frames_csv(some_report()),
+            "epoch,frame,uplink_ms,view_wait_ms,render_ms,encode_ms,send_queue_ms,downlink_ms,"
+            "decode_ms,reproject_ms,present_wait_ms,unattributed_ms,total_ms\n"
+            "1,1,1,1,10,1,1,1,1,1,1,0,18\n"
+            "1,2,1,1,20,1,1,1,1,1,1,0.125,28.125\n");
 }
 
 }  // namespace
