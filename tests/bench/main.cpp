@@ -14,6 +14,7 @@
 
 #include "shared/base/text.h"
 #include "tests/bench/arguments.h"
+#include "tests/bench/codecs.h"
 #include "tests/bench/compare.h"
 #include "tests/bench/contact_sheet.h"
 #include "tests/bench/culling.h"
@@ -564,6 +565,34 @@ Run declare_warp(CLI::App& command) {
   };
 }
 
+Run declare_codecs(CLI::App& command) {
+  auto options = std::make_shared<CodecsOptions>();
+  auto size = std::make_shared<std::string>();
+  command.add_option("--scenes", options->scenes, "Built-in scenes or scene files")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (atrium)");
+  command.add_option("--grids", options->grids, "Where frames are sampled")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"uniform", "foveal"}))
+      ->option_text("uniform,foveal (both)");
+  command.add_option("--size", *size, "Pixels of a uniform picture (720x800)")->option_text("WxH");
+  command.add_option("--frames", options->frames, "Of a sequence")
+      ->check(CLI::Range(2, 10000))
+      ->option_text("N (24)");
+  command.add_option("--coarsest", options->coarsest, "Quantiser offset at the rim, minus it at the gaze")
+      ->check(CLI::Range(0.0, 20.0))
+      ->option_text("N (5)");
+  command.add_option("--json", options->json, "Write a report")->option_text("FILE.json");
+  return [options, size]() -> Result<void> {
+    if (!size->empty()) {
+      const auto pixels = parse_size("--size", *size);
+      if (!pixels) return base::forward(pixels);
+      options->width_px = pixels->width_px, options->height_px = pixels->height_px;
+    }
+    return run_codecs(*options);
+  };
+}
+
 Run declare_maps(CLI::App& command) {
   auto options = std::make_shared<MapsOptions>();
   auto size = std::make_shared<std::string>();
@@ -648,6 +677,7 @@ Run declare_streaming(CLI::App& command) {
 constexpr Experiment kExperiments[] = {
     {"still", "One view of a scene for one eye, as a picture", declare_still},
     {"compare", "Every metric on two pictures", declare_compare},
+    {"codecs", "Bytes, quality and cost of colour codecs on frames of a kernel", declare_codecs},
     {"contact-sheet", "A small picture of every scene, with its figures", declare_contact_sheet},
     {"culling", "Kernel culling against its baselines, error and time", declare_culling},
     {"light-tree", "What a tree over moving lights costs, and walks down it", declare_light_tree},

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -517,6 +518,29 @@ TEST_F(Program, AMomentOfEveryKindOfMotionCostsLessThanBuildingAnew) {
     ++rows;
   }
   EXPECT_EQ(rows, 6);
+}
+
+TEST_F(Program, StreamsOverALinkAndAccountsForEveryMillisecond) {
+  const std::string json = path("streaming.json");
+  const Finished run =
+      bench({"streaming", "--links", "4ms", "--seconds", "2", "--size", "64x64", "--json", json});
+  ASSERT_EQ(run.status, 0) << run.err;
+  std::ifstream file(json);
+  const auto report = nlohmann::json::parse(file);
+  ASSERT_EQ(report["rows"].size(), 1U);
+  const auto& row = report["rows"][0];
+  EXPECT_GT(row["fps"], 1.0);
+  EXPECT_GE(row["transit_p50_ms"], 4.0);
+  EXPECT_GE(row["age_p50_ms"], 8.0);
+  EXPECT_LE(row["closure_error_max_ms"], 0.2);
+  EXPECT_EQ(row["clock_bound_broken"], 0);
+  EXPECT_GT(row["psnr_f10_db"], 20.0);
+}
+
+TEST_F(Program, AnUnknownLinkIsAnsweredWithTheOnesThereAre) {
+  const Finished run = bench({"streaming", "--links", "pigeon"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("100-to-2mbit"), std::string::npos) << run.err;
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ class Client {
       step = assembler_.end(*end, {});
     }
     if (step == Step::Completed)
-      if (auto frame = assembler_.take()) (void)frames::decode(std::move(*frame), clock_);
+      if (auto frame = assembler_.take()) (void)decoder_.decode(std::move(*frame));
   }
   void start() { assembler_.start_epoch(kEpoch); }
 
@@ -56,6 +56,7 @@ class Client {
   net::Limits limits_{.max_frame_bytes = 1U << 20, .max_side_px = 256, .max_cells = 1U << 16};
   base::ManualClock clock_;
   net::FrameAssembler assembler_{limits_};
+  frames::FrameDecoder decoder_{clock_};
 };
 
 void put(std::string& out, std::string_view bytes) {
