@@ -122,6 +122,7 @@ void DisplayLoop::submit(const Refresh& refresh, const Gaze& gaze, Showing showi
   sleep_for(config_.delays.present);
   showing.shown = lit + config_.delays.present;
   parts_.log.note_shown(showing, parts_.endpoint.clock());
+  parts_.screen.note(showing, parts_.log, parts_.endpoint);
   if (parts_.pictures != nullptr) parts_.pictures->show(count, pictures());
   last_frame_ = std::move(showing.frame);
 }

@@ -212,7 +212,8 @@ Result<Command> parse_options(int argc, const char* const* argv, const Environme
   PairCommand pair{"tcp://127.0.0.1:7789", {}, {}, {}};
   CLI::App app(
       "macula-client: shows what macula-server renders, warped to where the head is now.\n"
-      "In a window the cursor is your gaze, dragging turns your head and W A S D move it.\n"
+      "In a window the cursor is your gaze, dragging turns your head and W A S D move it; H lists "
+      "the keys.\n"
       "--display openxr shows it in the headset of the running OpenXR runtime.",
       "macula-client");
   app.set_version_flag("--version", "macula-client 0.1.0");

@@ -27,6 +27,7 @@ class RunLog {
   std::uint64_t shown_frames() const { return report_.shown_frames; }
   std::optional<frames::FrameId> newest() const { return order_.newest(); }
   frames::StageBook& book() { return book_; }
+  const frames::StageBook& book() const { return book_; }
   /// What was noted; the rest of the report is the caller's.
   display::ClientReport report() const;
 

@@ -7,6 +7,7 @@
 
 #include "client/app/client_config.h"
 #include "client/app/refresh_clock.h"
+#include "client/app/run_log.h"
 #include "client/app/warp_stage.h"
 #include "client/display/headless/report.h"
 #include "client/pose/pose_source.h"
@@ -27,6 +28,9 @@ class Screen {
   /// Shows one refresh and where the head's gaze is. Returns when its light is seen.
   virtual ClientTime show(const Refresh& refresh, const WarpedEyes& eyes,
                           const Gaze& head_gaze) = 0;
+  /// After `log` has noted what was shown; for a screen that tells of it.
+  virtual void note(const Showing& /*showing*/, const RunLog& /*log*/,
+                    const net::ClientEndpoint& /*endpoint*/) {}
   /// Ends a refresh for which there is no picture.
   virtual void skip(const Refresh& refresh) = 0;
   virtual double refresh_hz() const = 0;

@@ -4,12 +4,17 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <span>
 #include <utility>
 
+#include "client/app/vitals.h"
 #include "client/display/window/window.h"
 #include "client/pose/interactive_source.h"
 #include "shared/base/clock.h"
+#include "shared/base/log.h"
+#include "shared/base/text.h"
+#include "shared/image/png.h"
 #include "shared/math/frames.h"
 
 namespace macula::client_app {
@@ -32,6 +37,17 @@ std::optional<display::PicturePoint> picture_point(const foveation::Display& dis
   return display::PicturePoint{static_cast<float>(at.x), static_cast<float>(at.y)};
 }
 
+display::PictureMarks marks_of(const foveation::Display& display, const Gaze& gaze) {
+  display::PictureMarks marks;
+  marks.gaze = picture_point(display, gaze);
+  if (!gaze.valid) return marks;
+  marks.rings = {Vec2(display.fov.tangent_min()),
+                 Vec2(display.fov.tangent_max()),
+                 gaze.direction,
+                 {Degrees{5.0}, Degrees{10.0}, Degrees{25.0}}};
+  return marks;
+}
+
 /// Hands out the head that the window steers.
 class Viewer final : public pose::PoseSource {
  public:
@@ -46,25 +62,52 @@ class WindowScreen final : public ClockedScreen {
  public:
   WindowScreen(std::unique_ptr<display::Window> window, const ClientConfig& config,
                const base::Clock& clock)
-      : ClockedScreen(config, clock), window_(std::move(window)), clock_(clock) {}
+      : ClockedScreen(config, clock),
+        window_(std::move(window)),
+        clock_(clock),
+        screenshots_(config.out_folder.empty() ? "." : config.out_folder) {}
 
   std::optional<display::RunEnd> poll() override {
-    head_.steer(steering(window_->poll()));
+    const display::Input input = window_->poll();
+    head_.steer(steering(input));
+    if (input.screenshot) take_screenshot();
     if (window_->should_close()) return display::RunEnd::WindowClosed;
     return std::nullopt;
+  }
+  void note(const Showing& showing, const RunLog& log,
+            const net::ClientEndpoint& endpoint) override {
+    vitals_.note(showing, log, endpoint);
   }
   std::unique_ptr<pose::PoseSource> viewer() override { return std::make_unique<Viewer>(head_); }
 
  private:
   void present(const display::EyePictures& eyes, const Gaze& head_gaze) override;
   pose::Steering steering(const display::Input& input);
+  void take_screenshot();
   double step_s();
 
   std::unique_ptr<display::Window> window_;
   const base::Clock& clock_;
+  const std::filesystem::path screenshots_;
   pose::InteractiveSource head_;
+  Vitals vitals_;
   Nanoseconds last_poll_ = clock_.now();
 };
+
+/// The next free name, so that nothing is overwritten.
+void WindowScreen::take_screenshot() {
+  std::error_code none;
+  std::filesystem::create_directories(screenshots_, none);
+  std::filesystem::path path;
+  for (int number = 1; path.empty() || std::filesystem::exists(path, none); ++number)
+    path = screenshots_ / base::concat("macula-screenshot-", number, ".png");
+  const auto written = image::write_png(path.string(), window_->capture());
+  if (written) {
+    base::log_info("screenshot: " + path.string());
+  } else {
+    base::log_warning("no screenshot: " + written.error().message());
+  }
+}
 
 double WindowScreen::step_s() {
   const Nanoseconds now = clock_.now();
@@ -96,8 +139,9 @@ void WindowScreen::present(const display::EyePictures& eyes, const Gaze& head_ga
   const std::size_t count = std::min(eyes.size(), pictures.size());
   for (std::size_t eye = 0; eye < count; ++eye) {
     pictures[eye] = &eyes[eye];
-    overlay.gaze[eye] = picture_point(rig().eyes[eye].display, rig().gaze_of(eye, head_gaze));
+    overlay.marks[eye] = marks_of(rig().eyes[eye].display, rig().gaze_of(eye, head_gaze));
   }
+  overlay.dashboard = &vitals_.dashboard();
   window_->show(std::span(pictures).first(count), overlay);
 }
 

@@ -48,9 +48,10 @@ void StageBook::join(FrameId id) {
   sent_.erase(sent);
 }
 
-std::vector<AccountedFrame> StageBook::accounts() const {
+std::vector<AccountedFrame> StageBook::accounts_after(std::size_t count) const {
   std::lock_guard lock(mutex_);
-  return accounts_;
+  const auto left_out = static_cast<std::ptrdiff_t>(std::min(count, accounts_.size()));
+  return {accounts_.begin() + left_out, accounts_.end()};
 }
 
 std::uint64_t StageBook::incomplete() const {

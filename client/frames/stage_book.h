@@ -28,7 +28,9 @@ class StageBook {
   void note_shown(FrameId id, const net::FrameEnd& end, const ClientStamps& stamps,
                   const net::ClockEstimate& clock);
   /// Whole accounts in the order they became whole; the book keeps them.
-  std::vector<AccountedFrame> accounts() const;
+  std::vector<AccountedFrame> accounts() const { return accounts_after(0); }
+  /// The same without the first `count`.
+  std::vector<AccountedFrame> accounts_after(std::size_t count) const;
   /// Shown frames whose send queue is not known, now or ever.
   std::uint64_t incomplete() const;
 

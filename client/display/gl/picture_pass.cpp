@@ -26,13 +26,31 @@ uniform sampler2D picture;
 uniform vec2 size_px;   // of the rectangle drawn into
 uniform vec2 ring_px;   // the gaze, from the rectangle's top left
 uniform bool ring_on;
+uniform vec4 tangents;        // upper left, lower right
+uniform vec3 gaze;
+uniform vec3 eccentricities;  // radians
+uniform bool eccentricities_on;
 in vec2 uv;
 out vec4 color;
+
+// White within `half_px` of a line, dark beside it; `off` and its change from pixel to pixel.
+void draw_line(float off, float step, float half_px) {
+  float off_px = abs(off) / max(step, 1e-9);
+  if (off_px < 2.0 * half_px) color.rgb = off_px < half_px ? vec3(1.0) : vec3(0.0);
+}
+
+void draw_eccentricities() {
+  vec2 tangent = mix(tangents.xy, tangents.zw, uv);
+  vec3 sight = normalize(vec3(tangent.x, -tangent.y, -1.0));
+  float eccentricity = atan(length(cross(sight, gaze)), dot(sight, gaze));
+  float step = length(vec2(dFdx(eccentricity), dFdy(eccentricity)));
+  for (int i = 0; i < 3; ++i) draw_line(eccentricity - eccentricities[i], step, 0.75);
+}
+
 void main() {
   color = vec4(texture(picture, uv).rgb, 1.0);
-  if (!ring_on) return;
-  float off = abs(distance(uv * size_px, ring_px) - 14.0);
-  if (off < 2.5) color.rgb = off < 1.25 ? vec3(1.0) : vec3(0.0);
+  if (eccentricities_on) draw_eccentricities();
+  if (ring_on) draw_line(distance(uv * size_px, ring_px) - 14.0, 1.0, 1.25);
 }
 )";
 
@@ -107,9 +125,14 @@ Result<std::unique_ptr<PicturePass>> PicturePass::create() {
 PicturePass::PicturePass(unsigned program, unsigned vertices)
     : program_(program),
       vertices_(vertices),
-      uniforms_{glGetUniformLocation(program, "picture"), glGetUniformLocation(program, "size_px"),
+      uniforms_{glGetUniformLocation(program, "picture"),
+                glGetUniformLocation(program, "size_px"),
                 glGetUniformLocation(program, "ring_px"),
-                glGetUniformLocation(program, "ring_on")} {}
+                glGetUniformLocation(program, "ring_on"),
+                glGetUniformLocation(program, "tangents"),
+                glGetUniformLocation(program, "gaze"),
+                glGetUniformLocation(program, "eccentricities"),
+                glGetUniformLocation(program, "eccentricities_on")} {}
 
 PicturePass::~PicturePass() {
   for (const auto& texture : textures_) glDeleteTextures(1, &texture.name);
@@ -140,8 +163,22 @@ void PicturePass::upload(const image::Plane<Rgb8>& picture, Texture& texture) {
   texture.size = {picture.width(), picture.height()};
 }
 
+void PicturePass::set_marks(const PictureMarks& marks, float width_px, float height_px) {
+  glUniform2f(uniforms_.size_px, width_px, height_px);
+  glUniform1i(uniforms_.ring_on, marks.gaze ? 1 : 0);
+  if (marks.gaze)
+    glUniform2f(uniforms_.ring_px, marks.gaze->u * width_px, marks.gaze->v * height_px);
+  glUniform1i(uniforms_.eccentricities_on, marks.rings ? 1 : 0);
+  if (!marks.rings) return;
+  const auto& [least, most, gaze, at] = *marks.rings;
+  const auto radians = [](Radians angle) { return static_cast<float>(angle.value()); };
+  glUniform4f(uniforms_.tangents, least.x, least.y, most.x, most.y);
+  glUniform3f(uniforms_.gaze, gaze.x, gaze.y, gaze.z);
+  glUniform3f(uniforms_.eccentricities, radians(at[0]), radians(at[1]), radians(at[2]));
+}
+
 void PicturePass::draw(PictureSize framebuffer, std::span<const image::Rect> places,
-                       std::span<const std::optional<PicturePoint>> rings) {
+                       std::span<const PictureMarks> marks) {
   MACULA_CHECK(places.size() <= textures_.size(), "a place without a picture");
   glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
   glClear(GL_COLOR_BUFFER_BIT);
@@ -152,11 +189,8 @@ void PicturePass::draw(PictureSize framebuffer, std::span<const image::Rect> pla
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto& place = places[i];
     if (place.width <= 0 || place.height <= 0) continue;
-    const auto width = static_cast<float>(place.width), height = static_cast<float>(place.height);
-    const auto ring = i < rings.size() ? rings[i] : std::nullopt;
-    glUniform2f(uniforms_.size_px, width, height);
-    glUniform1i(uniforms_.ring_on, ring ? 1 : 0);
-    if (ring) glUniform2f(uniforms_.ring_px, ring->u * width, ring->v * height);
+    set_marks(i < marks.size() ? marks[i] : PictureMarks{}, static_cast<float>(place.width),
+              static_cast<float>(place.height));
     glBindTexture(GL_TEXTURE_2D, textures_[i].name);
     glViewport(place.x, framebuffer.height_px - place.y - place.height, place.width, place.height);
     glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);

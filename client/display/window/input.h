@@ -23,7 +23,8 @@ struct Input {
   PicturePoint drag;
   /// Keys held now, each -1, 0 or 1: A D, Q E, S W.
   int right = 0, up = 0, forward = 0;
-  bool reset = false;  ///< R was pressed since the last poll
+  bool reset = false;       ///< R was pressed since the last poll
+  bool screenshot = false;  ///< P was
 };
 
 }  // namespace macula::display

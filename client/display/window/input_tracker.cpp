@@ -23,6 +23,7 @@ Input InputTracker::poll(const Devices& devices, std::span<const image::Rect> pl
   input.up = axis(devices.down, devices.up);
   input.forward = axis(devices.back, devices.forward);
   input.reset = std::exchange(reset_, false);
+  input.screenshot = std::exchange(screenshot_, false);
   return input;
 }
 

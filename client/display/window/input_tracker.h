@@ -21,6 +21,7 @@ class InputTracker {
  public:
   void toggle_freeze() { frozen_ = !frozen_; }
   void request_reset() { reset_ = true; }
+  void request_screenshot() { screenshot_ = true; }
   /// `places` are the pictures' rectangles (layout.h).
   Input poll(const Devices& devices, std::span<const image::Rect> places);
 
@@ -32,7 +33,7 @@ class InputTracker {
 
   std::optional<PictureTarget> gaze_;
   std::optional<Cursor> drag_from_;
-  bool frozen_ = false, reset_ = false;
+  bool frozen_ = false, reset_ = false, screenshot_ = false;
 };
 
 }  // namespace macula::display

@@ -1,10 +1,9 @@
 #include "client/display/window/window.h"
 
-#include <cstdio>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "client/display/gl/picture_pass.h"
 #include "client/display/window/glfw.h"
 #include "client/display/window/input_tracker.h"
 #include "client/display/window/layout.h"
@@ -13,15 +12,20 @@
 namespace macula::display {
 namespace {
 
-constexpr const char* kHelp =
-    "cursor        gaze\n"
-    "right drag    turn the head\n"
-    "W A S D       move forward, left, back, right\n"
-    "Q E           move down, up\n"
-    "F             freeze the gaze where it is, and release it\n"
-    "R             back to the start\n"
-    "H             this help\n"
-    "Esc           close\n";
+const std::vector<std::string> kKeys = {
+    "cursor      gaze",
+    "right drag  turn the head",
+    "w a s d     move",
+    "q e         move down, up",
+    "r           back to the start",
+    "f           freeze the gaze, release it",
+    "b           both eyes, left, right",
+    "g           rings at 5, 10, 25 degrees",
+    "o           stage times and figures",
+    "p           screenshot",
+    "h           this help",
+    "esc         close",
+};
 
 PictureSize framebuffer_size(GLFWwindow* window) {
   PictureSize size;
@@ -55,9 +59,27 @@ Devices read_devices(GLFWwindow* window) {
   return devices;
 }
 
+/// What keys change; the window's user pointer.
+struct Controls {
+  InputTracker input;
+  Choices choices;
+};
+
+Choices::Eyes next(Choices::Eyes eyes) {
+  switch (eyes) {
+    case Choices::Eyes::Both:
+      return Choices::Eyes::Left;
+    case Choices::Eyes::Left:
+      return Choices::Eyes::Right;
+    case Choices::Eyes::Right:
+      break;
+  }
+  return Choices::Eyes::Both;
+}
+
 void on_key(GLFWwindow* window, int key, int /*scancode*/, int action, int /*modifiers*/) {
   if (action != GLFW_PRESS) return;
-  auto& input = *static_cast<InputTracker*>(glfwGetWindowUserPointer(window));
+  auto& [input, choices] = *static_cast<Controls*>(glfwGetWindowUserPointer(window));
   switch (key) {
     case GLFW_KEY_ESCAPE:
       return glfwSetWindowShouldClose(window, GLFW_TRUE);
@@ -65,13 +87,34 @@ void on_key(GLFWwindow* window, int key, int /*scancode*/, int action, int /*mod
       return input.toggle_freeze();
     case GLFW_KEY_R:
       return input.request_reset();
+    case GLFW_KEY_P:
+      return input.request_screenshot();
+    case GLFW_KEY_B:
+      choices.eyes = next(choices.eyes);
+      return;
+    case GLFW_KEY_G:
+      choices.rings = !choices.rings;
+      return;
+    case GLFW_KEY_O:
+      choices.dashboard = !choices.dashboard;
+      return;
     case GLFW_KEY_H:
-      std::fputs(kHelp, stdout);
-      std::fflush(stdout);
+      choices.help = !choices.help;
       return;
     default:
       return;
   }
+}
+
+bool is_chosen(Choices::Eyes eyes, std::size_t eye, std::size_t count) {
+  if (eyes == Choices::Eyes::Both || count == 1) return true;
+  return (eyes == Choices::Eyes::Left) == (eye == 0);
+}
+
+/// Letters grow with the window, so that they can be read on any.
+int dot_size_px(const PictureSize& framebuffer) {
+  constexpr int kHeightPerDot_px = 600;
+  return std::max(1, framebuffer.height_px / kHeightPerDot_px);
 }
 
 }  // namespace
@@ -80,16 +123,39 @@ void on_key(GLFWwindow* window, int key, int /*scancode*/, int action, int /*mod
 struct Window::Parts {
   GlfwLibrary library;
   GlfwWindow window;
-  InputTracker input;
+  Controls controls;
   std::unique_ptr<PicturePass> pass;
-  std::vector<PictureSize> pictures;  ///< of the last show
-  Overlay overlay;
+  // Of the last show: the eyes first, then the panels over them.
+  std::vector<std::size_t> eyes;  ///< which
+  std::vector<PictureSize> pictures;
+  std::vector<PictureMarks> marks;
+  std::vector<image::Plane<Rgb8>> panels;
 
   std::vector<image::Rect> places() const {
     return place_side_by_side(pictures, framebuffer_size(window.get()));
   }
-  void draw() { pass->draw(framebuffer_size(window.get()), places(), overlay.gaze); }
+  void make_panels(const Overlay& overlay);
+  void draw();
 };
+
+void Window::Parts::make_panels(const Overlay& overlay) {
+  const int dot_px = dot_size_px(framebuffer_size(window.get()));
+  panels.clear();
+  if (controls.choices.dashboard && overlay.dashboard != nullptr)
+    panels.push_back(draw_dashboard(*overlay.dashboard, dot_px));
+  if (controls.choices.help) panels.push_back(draw_lines(kKeys, dot_px));
+}
+
+/// Panels lie one below the other in the upper left corner.
+void Window::Parts::draw() {
+  std::vector<image::Rect> all = places();
+  int top_px = 0;
+  for (const auto& panel : panels) {
+    all.push_back({0, top_px, panel.width(), panel.height()});
+    top_px += panel.height();
+  }
+  pass->draw(framebuffer_size(window.get()), all, marks);
+}
 
 Result<std::unique_ptr<Window>> Window::create(const WindowOptions& options) {
   if (glfwInit() != GLFW_TRUE) return glfw_error("no window system");
@@ -103,7 +169,7 @@ Result<std::unique_ptr<Window>> Window::create(const WindowOptions& options) {
   auto pass = PicturePass::create();
   if (!pass) return base::forward(pass);
   parts->pass = std::move(*pass);
-  glfwSetWindowUserPointer(window, &parts->input);
+  glfwSetWindowUserPointer(window, &parts->controls);
   glfwSetKeyCallback(window, on_key);
   return std::unique_ptr<Window>(new Window(std::move(parts)));
 }
@@ -114,17 +180,37 @@ Window::~Window() = default;
 
 void Window::show(std::span<const image::Plane<Rgb8>* const> eyes, const Overlay& overlay) {
   MACULA_CHECK(eyes.size() == 1 || eyes.size() == 2, "a window shows one or two eyes");
-  parts_->pictures.clear();
-  for (const auto* eye : eyes) parts_->pictures.push_back({eye->width(), eye->height()});
-  parts_->overlay = overlay;
-  parts_->pass->upload(eyes);
+  const Choices& choices = parts_->controls.choices;
+  parts_->eyes.clear(), parts_->pictures.clear(), parts_->marks.clear();
+  std::vector<const image::Plane<Rgb8>*> shown;
+  for (std::size_t eye = 0; eye < eyes.size(); ++eye) {
+    if (!is_chosen(choices.eyes, eye, eyes.size())) continue;
+    parts_->eyes.push_back(eye);
+    parts_->pictures.push_back({eyes[eye]->width(), eyes[eye]->height()});
+    parts_->marks.push_back(overlay.marks[eye]);
+    if (!choices.rings) parts_->marks.back().rings.reset();
+    shown.push_back(eyes[eye]);
+  }
+  parts_->make_panels(overlay);
+  for (const auto& panel : parts_->panels) shown.push_back(&panel);
+  parts_->pass->upload(shown);
   parts_->draw();
   glfwSwapBuffers(parts_->window.get());
 }
 
 Input Window::poll() {
   glfwPollEvents();
-  return parts_->input.poll(read_devices(parts_->window.get()), parts_->places());
+  Input input = parts_->controls.input.poll(read_devices(parts_->window.get()), parts_->places());
+  if (input.gaze) {
+    // The picture under the cursor is that of the eye shown there.
+    const auto place = static_cast<std::size_t>(input.gaze->picture);
+    if (place < parts_->eyes.size()) input.gaze->picture = static_cast<int>(parts_->eyes[place]);
+  }
+  return input;
+}
+
+const Choices& Window::choices() const {
+  return parts_->controls.choices;
 }
 
 bool Window::should_close() const {

@@ -9,6 +9,8 @@
 #include <span>
 #include <string>
 
+#include "client/display/gl/picture_pass.h"
+#include "client/display/window/dashboard.h"
 #include "client/display/window/input.h"
 #include "shared/base/result.h"
 #include "shared/image/color.h"
@@ -24,9 +26,19 @@ struct WindowOptions {
   Vsync vsync = Vsync::On;
 };
 
-/// Drawn over the pictures.
+/// What may be drawn over the pictures; the person chooses by keys.
 struct Overlay {
-  std::array<std::optional<PicturePoint>, 2> gaze;  ///< a ring at the gaze, per eye
+  std::array<PictureMarks, 2> marks;     ///< by eye; eccentricity rings come with key G
+  const Dashboard* dashboard = nullptr;  ///< comes with key O; null: there is nothing to tell
+};
+
+/// What the person chose to see.
+struct Choices {
+  enum class Eyes { Both, Left, Right };
+  Eyes eyes = Eyes::Both;  ///< key B takes the next
+  bool rings = false;      ///< key G: eccentricity rings
+  bool dashboard = false;  ///< key O
+  bool help = false;       ///< key H: the keys, on the screen
 };
 
 class Window {
@@ -40,9 +52,10 @@ class Window {
   /// One or two pictures, left eye first; letterboxed, aspect kept. Returns after the swap, which
   /// with vsync waits for the display. The pictures may be released afterwards.
   void show(std::span<const image::Plane<Rgb8>* const> eyes, const Overlay& overlay = {});
-  /// Lets the window system have its say and returns what happened since the last call. H prints
-  /// the keys on stdout, F freezes the gaze, R asks for a reset, Esc closes.
+  /// Lets the window system have its say and returns what happened since the last call. Keys that
+  /// choose what to see take effect with the next show(); Esc closes.
   Input poll();
+  const Choices& choices() const;
   bool should_close() const;
   /// What show() last drew, the whole inside of the window, top row first.
   image::Plane<Rgb8> capture();

@@ -79,7 +79,7 @@ TEST_F(WindowTest, PicturesMayChangeSizeBetweenFrames) {
 TEST_F(WindowTest, TheRingStandsAroundTheGazeOfItsEyeOnly) {
   const Plane<Rgb8> flat(160, 120, Rgb8{90, 90, 90});
   Overlay overlay;
-  overlay.gaze[1] = PicturePoint{0.25F, 0.75F};  // pixel (40, 90) of the right eye
+  overlay.marks[1].gaze = PicturePoint{0.25F, 0.75F};  // pixel (40, 90) of the right eye
   show(flat, flat, overlay);
   const auto shown = window_->capture();
   if (const char* folder = std::getenv("MACULA_TEST_KEEP")) {
