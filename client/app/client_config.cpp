@@ -46,6 +46,21 @@ std::string pose_source_name(const ClientConfig& config) {
   return "?";
 }
 
+std::string gaze_source_name(const ClientConfig& config) {
+  using GazeFrom = ClientConfig::GazeFrom;
+  switch (config.gaze) {
+    case GazeFrom::Head:
+      return "(with the head)";
+    case GazeFrom::Mouse:
+      return "mouse";
+    case GazeFrom::Target:
+      return "target";
+    case GazeFrom::Udp:
+      return "udp://" + config.gaze_address;
+  }
+  return "?";
+}
+
 std::string or_server_default(const std::string& wish) {
   return wish.empty() ? "(server's default)" : wish;
 }
@@ -102,6 +117,7 @@ std::vector<std::pair<std::string, std::string>> describe(const ClientConfig& co
       {"refresh_hz", unless_headset(base::concat(config.refresh_hz))},
       {"pacing", config.pacing == Pacing::RealTime ? "real time" : "as fast as possible"},
       {"trace", pose_source_name(config)},
+      {"gaze", gaze_source_name(config)},
       {"repeat", config.repeat_trace == ClientConfig::Repeat::Yes ? "yes" : "no"},
       {"frames", config.frames == 0 ? "(until the poses end)" : base::concat(config.frames)},
       {"reprojection", name(config.warp)},

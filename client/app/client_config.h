@@ -55,6 +55,11 @@ struct ClientConfig {
 
   /// Empty: the demo trace (headless), mouse and keys (window), the headset's own.
   std::string trace_file;
+  /// Where the gaze comes from: with the head, from the mouse in the window whoever moves the head,
+  /// from eyes that follow a moving point, or from another program (pose/udp_gaze.h).
+  enum class GazeFrom { Head, Mouse, Target, Udp };
+  GazeFrom gaze = GazeFrom::Head;
+  std::string gaze_address;  ///< Udp: HOST:PORT
   enum class Repeat { No, Yes };
   Repeat repeat_trace = Repeat::No;
   std::uint64_t frames = 0;  ///< shown frames after which to stop; 0: when the poses end

@@ -13,8 +13,8 @@ namespace {
 
 /// The options as typed; ClientConfig holds them in units.
 struct Typed {
-  std::string connect = "tcp://127.0.0.1:7788", keys, display, trace, record, size, out, codec,
-              rate_model, reprojection = "mesh";
+  std::string connect = "tcp://127.0.0.1:7788", keys, display, trace, gaze, record, size, out,
+              codec, rate_model, reprojection = "mesh";
   std::uint64_t frames = 0;
   double refresh_hz = 72.0, fov_deg = 80.0, ipd_mm = 63.0, oversampling = 0.0, connect_s = 10.0;
   int eyes = 2, picture_every = 12;
@@ -57,6 +57,10 @@ void add_viewer_options(CLI::App& app, Typed& typed) {
                  "Head and gaze: t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz. Without one: mouse and keys in "
                  "a window, else a demo trace")
       ->option_text("FILE.csv");
+  app.add_option("--gaze", typed.gaze,
+                 "Where the gaze comes from, whatever moves the head; target: eyes that follow a "
+                 "moving point; udp: one JSON line a packet (README)")
+      ->option_text("mouse|trace|target|udp://HOST:PORT (with the head)");
   app.add_option("--record", typed.record, "Write head and gaze as a trace for --trace")
       ->option_text("FILE.csv");
   app.add_flag("--loop", typed.loop, "Start the trace again when it ends");
@@ -170,6 +174,31 @@ std::string key_folder(const Typed& typed, const Environment& environment) {
                             : typed.keys;
 }
 
+Result<void> choose_gaze(const Typed& typed, ClientConfig& config) {
+  using GazeFrom = ClientConfig::GazeFrom;
+  constexpr std::string_view kUdp = "udp://";
+  const std::string& text = typed.gaze;
+  if (text.empty() || (text == "trace" && !typed.trace.empty())) return {};
+  if (text == "trace")
+    return base::bad_input("there is no trace to take the gaze from", "--gaze trace",
+                           "name one with --trace");
+  if (text == "mouse" && config.display != DisplayKind::Window)
+    return base::bad_input("there is no window to take the mouse from", "--gaze mouse",
+                           "use --display window");
+  if (text == "mouse") {
+    config.gaze = GazeFrom::Mouse;
+  } else if (text == "target") {
+    config.gaze = GazeFrom::Target;
+  } else if (text.starts_with(kUdp)) {
+    config.gaze = GazeFrom::Udp;
+    config.gaze_address = text.substr(kUdp.size());
+  } else {
+    return base::bad_input(base::concat("'", text, "' is no source of a gaze"), "--gaze",
+                           "mouse, trace, target or udp://HOST:PORT");
+  }
+  return {};
+}
+
 Result<Options> make_options(const Typed& typed, const Environment& environment) {
   Options options;
   ClientConfig& config = options.config;
@@ -193,6 +222,7 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   config.warp = warp_of(typed.reprojection);
   config.trace_file = typed.trace;
   config.record_file = typed.record;
+  if (auto done = choose_gaze(typed, config); !done) return base::forward(done);
   config.repeat_trace = typed.loop ? ClientConfig::Repeat::Yes : ClientConfig::Repeat::No;
   config.frames = typed.frames;
   config.settings.color_codec = typed.codec == "auto" ? "" : typed.codec;

@@ -9,7 +9,9 @@
 #include "client/app/frame_receiver.h"
 #include "client/app/screen.h"
 #include "client/display/headless/rate_map.h"
+#include "client/pose/gaze_source.h"
 #include "client/pose/trace_source.h"
+#include "client/pose/udp_gaze.h"
 
 namespace macula::client_app {
 namespace {
@@ -22,7 +24,7 @@ struct Prepared {
   std::unique_ptr<display::PictureWriter> pictures;  // null: none are kept
 };
 
-Result<std::unique_ptr<pose::PoseSource>> make_poses(const ClientConfig& config, Screen& screen) {
+Result<std::unique_ptr<pose::PoseSource>> make_head(const ClientConfig& config, Screen& screen) {
   if (config.trace_file.empty()) return screen.viewer();
   auto trace = pose::load_trace(config.trace_file);
   if (!trace) return base::forward(trace);
@@ -31,12 +33,46 @@ Result<std::unique_ptr<pose::PoseSource>> make_poses(const ClientConfig& config,
                                              repeat ? pose::AtEnd::Loop : pose::AtEnd::Stop);
 }
 
+/// Null: it comes with the head.
+Result<std::unique_ptr<pose::GazeSource>> make_gaze(const ClientConfig& config, Screen& screen,
+                                                    const base::Clock& clock) {
+  using GazeFrom = ClientConfig::GazeFrom;
+  std::unique_ptr<pose::GazeSource> gaze;
+  switch (config.gaze) {
+    case GazeFrom::Head:
+      break;
+    case GazeFrom::Mouse:
+      gaze = std::make_unique<pose::GazeOfHead>(screen.viewer());
+      break;
+    case GazeFrom::Target:
+      gaze = std::make_unique<pose::TargetGaze>();
+      break;
+    case GazeFrom::Udp: {
+      auto udp =
+          pose::UdpGaze::create(config.gaze_address, screen.rig().eyes.front().display.fov, clock);
+      if (!udp) return base::forward(udp);
+      gaze = std::move(*udp);
+    }
+  }
+  return gaze;
+}
+
+Result<std::unique_ptr<pose::PoseSource>> make_poses(const ClientConfig& config, Screen& screen,
+                                                     const base::Clock& clock) {
+  auto head = make_head(config, screen);
+  if (!head) return head;
+  auto gaze = make_gaze(config, screen, clock);
+  if (!gaze) return base::forward(gaze);
+  if (!*gaze) return head;
+  return std::make_unique<pose::HeadWithGaze>(std::move(*head), std::move(*gaze));
+}
+
 Result<Prepared> prepare(const ClientConfig& config, const base::Clock& clock) {
   Prepared prepared;
   auto screen = make_screen(config, clock);
   if (!screen) return base::forward(screen);
   prepared.screen = std::move(*screen);
-  auto poses = make_poses(config, *prepared.screen);
+  auto poses = make_poses(config, *prepared.screen, clock);
   if (!poses) return base::forward(poses);
   prepared.poses = std::move(*poses);
   if (!config.record_file.empty()) {

@@ -148,5 +148,22 @@ TEST(ClientOptions, LeaveToAHeadsetWhatItKnows) {
   }
 }
 
+TEST(ClientOptions, TakeTheGazeFromWhereItIsToBeHad) {
+  using GazeFrom = ClientConfig::GazeFrom;
+  EXPECT_EQ(config_of({}).gaze, GazeFrom::Head);
+  EXPECT_EQ(config_of({"--gaze", "trace", "--trace", "t.csv"}).gaze, GazeFrom::Head);
+  EXPECT_EQ(config_of({"--gaze", "target"}).gaze, GazeFrom::Target);
+  EXPECT_EQ(config_of({"--gaze", "mouse", "--display", "window"}).gaze, GazeFrom::Mouse);
+  const ClientConfig udp = config_of({"--gaze", "udp://127.0.0.1:7790"});
+  EXPECT_EQ(udp.gaze, GazeFrom::Udp);
+  EXPECT_EQ(udp.gaze_address, "127.0.0.1:7790");
+  EXPECT_EQ(complaint({"--gaze", "trace"}),
+            "--gaze trace: there is no trace to take the gaze from (name one with --trace)");
+  EXPECT_EQ(complaint({"--gaze", "mouse", "--display", "headless"}),
+            "--gaze mouse: there is no window to take the mouse from (use --display window)");
+  EXPECT_EQ(complaint({"--gaze", "nose"}),
+            "--gaze: 'nose' is no source of a gaze (mouse, trace, target or udp://HOST:PORT)");
+}
+
 }  // namespace
 }  // namespace macula::client_app
