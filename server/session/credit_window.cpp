@@ -56,8 +56,12 @@ void CreditWindow::hand_over(std::uint64_t frame, ServerTime now) {
   last_sent_ = std::max(last_sent_, frame);
 }
 
+/// What takes longer than the least timeout measures a pause of this machine or of the client, not
+/// the network: taken for a round trip, it would keep lost frames in flight for four times as long.
 void CreditWindow::pair(Handed& handed, ServerTime now) {
-  if (handed.end && handed.acknowledged) rtt_.add(*handed.acknowledged - *handed.end, now);
+  if (!handed.end || !handed.acknowledged) return;
+  const Nanoseconds rtt = *handed.acknowledged - *handed.end;
+  if (rtt <= rules_.least_loss_timeout) rtt_.add(rtt, now);
 }
 
 void CreditWindow::on_sent(std::uint64_t frame, ServerTime end) {

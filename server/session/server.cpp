@@ -155,6 +155,7 @@ void Server::render(Job job, NextFrame next) {
   job->starts_history = std::exchange(next.memory->history_is_torn, false);
   if (job->starts_history) next.memory->history = {};
   const FrameKey key = job->start.key;
+  const ServerTime begun = now();
   const auto outcome = render_stage_.render(*job, *next.memory, std::move(next.stop));
   const bool rendered = outcome && *outcome == RenderOutcome::Rendered;
   next.memory->history_is_torn = !rendered;
@@ -162,6 +163,7 @@ void Server::render(Job job, NextFrame next) {
   {
     std::lock_guard lock(mutex_);
     rendering_.reset();
+    table_.on_rendered(key, now() - begun);
     if (rendered) {
       ++telemetry_.frames_rendered;
       telemetry_.rays += job->report.primary_rays + job->report.shadow_rays;

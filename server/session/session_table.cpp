@@ -174,6 +174,7 @@ void SessionTable::drop(std::uint64_t id, std::string reason, Actions& actions) 
   actions.emplace_back(DropSession{id, std::move(reason)});
   add(past_, found->second.counters());
   sessions_.erase(found);
+  shares_.forget(id);
   ++counters_.dropped;
 }
 
@@ -191,17 +192,22 @@ Actions SessionTable::tick(ServerTime now) {
 }
 
 std::optional<StartFrame> SessionTable::next_frame(ServerTime now) {
-  const auto serve = [&](auto begin, auto end) -> std::optional<StartFrame> {
-    for (auto at = begin; at != end; ++at)
-      if (auto start = at->second.start_frame(now)) {
-        last_served_ = at->first;
-        return start;
-      }
-    return std::nullopt;
+  Session* next = nullptr;
+  // Among equals the one after the last served.
+  const auto consider = [&](auto begin, auto end) {
+    for (auto at = begin; at != end; ++at) {
+      Session& session = at->second;
+      if (!session.may_start(now)) continue;
+      if (!next || shares_.start_tag(session.id()) < shares_.start_tag(next->id())) next = &session;
+    }
   };
   const auto after_last = sessions_.upper_bound(last_served_);
-  if (auto start = serve(after_last, sessions_.end())) return start;
-  return serve(sessions_.begin(), after_last);
+  consider(after_last, sessions_.end());
+  consider(sessions_.begin(), after_last);
+  if (!next) return std::nullopt;
+  last_served_ = next->id();
+  shares_.begin(next->id());
+  return next->start_frame(now);
 }
 
 bool SessionTable::expects(const FrameKey& key) const {

@@ -1,6 +1,7 @@
 // Every session of one server, keyed by the client's authenticated key. Pure like Session: events
-// and time in, actions out. Decides who is welcome, resumes sessions by token, hands the renderer
-// to the sessions in turn, and frees those that fell silent. Not thread-safe; bounded memory.
+// and time in, actions out. Decides who is welcome, resumes sessions by token, shares the
+// renderer's time among the sessions, and frees those that fell silent. Not thread-safe; bounded
+// memory.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +13,7 @@
 
 #include "server/session/actions.h"
 #include "server/session/hello.h"
+#include "server/session/render_shares.h"
 #include "server/session/rules.h"
 #include "server/session/session.h"
 
@@ -31,8 +33,11 @@ class SessionTable {
   Actions handle(const net::ServerEvent& event, ServerTime now);
   /// Expires lost frames and silent sessions; call every few milliseconds.
   Actions tick(ServerTime now);
-  /// The next frame to render, of the sessions in turn; nullopt when none may start.
+  /// The next frame to render, of the session that has had the least of the renderer's time;
+  /// nullopt when none may start.
   std::optional<StartFrame> next_frame(ServerTime now);
+  /// The frame, or what there is of it, took the renderer so long.
+  void on_rendered(const FrameKey& key, Nanoseconds render) { shares_.charge(key.session, render); }
   /// Whether the frame still belongs to a living epoch; others are dropped by whoever holds them.
   bool expects(const FrameKey& key) const;
   void on_frame_rendered(const FrameKey& key, Nanoseconds render);
@@ -74,6 +79,7 @@ class SessionTable {
   RandomBits random_;
   std::map<std::uint64_t, Session> sessions_;
   std::uint64_t last_served_ = 0;
+  RenderShares shares_;
   std::deque<Refused> refused_;
   TableCounters counters_;
   SessionCounters past_;

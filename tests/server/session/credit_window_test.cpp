@@ -166,6 +166,21 @@ TEST(CreditWindow, RoundTripIsMeasuredEvenWhenTheAcknowledgementOvertakesTheSend
   EXPECT_EQ(credit.rtt().least(at_ms(12)), std::chrono::milliseconds{10});
 }
 
+/// A server stopped for a minute with a frame in flight took that minute for a round trip; when the
+/// frames after it were lost, their credit came back four minutes later (seed 3066 of the
+/// simulation).
+TEST(CreditWindow, APauseOfTheMachineIsNoRoundTrip) {
+  CreditWindow credit{SessionRules{}};
+  const std::uint64_t frame = send_one(credit, 0);
+  credit.on_sent(frame, at_ms(1));
+  credit.acknowledge(received(frame), at_ms(60'000));
+  EXPECT_EQ(credit.rtt().least(at_ms(60'000)), std::nullopt);
+  send_one(credit, 60'001);
+  send_one(credit, 60'002);
+  EXPECT_FALSE(credit.may_send(at_ms(60'500)));
+  EXPECT_EQ(credit.expire(at_ms(61'100)), 2);
+}
+
 TEST(RttWindow, ForgetsItsLeastSampleAfterTenSeconds) {
   RttWindow rtt;
   rtt.add(std::chrono::milliseconds{5}, at_ms(0));

@@ -151,6 +151,62 @@ TEST_F(SessionTableTest, SessionsTakeTurnsOnTheRenderer) {
   EXPECT_EQ(served[b], 3);
 }
 
+/// Two clients that always want a frame; one's take three times as long. Milliseconds each got of
+/// the renderer.
+class SharedRenderer : public SessionTableTest {
+ protected:
+  enum class Costs { Told, Kept };
+  std::map<std::string, double> render_frames(int frames, Costs costs) {
+    std::map<std::string, double> got;
+    for (int i = 0; i < frames; ++i) {
+      ++sequence_;
+      see(1, sequence_, now_ms_);
+      see(2, sequence_, now_ms_);
+      const auto start = table_.next_frame(at_ms(now_ms_));
+      EXPECT_TRUE(start);
+      if (!start) break;
+      const bool is_slow = start->peer == net::PeerId{1};
+      const double cost_ms = is_slow ? 30.0 : 10.0;
+      got[is_slow ? "slow" : "quick"] += cost_ms;
+      now_ms_ += cost_ms;
+      if (costs == Costs::Told) table_.on_rendered(start->key, units::from_ms(cost_ms));
+      table_.on_frame_abandoned(start->key);
+    }
+    return got;
+  }
+  std::uint64_t sequence_ = 0;
+  double now_ms_ = 0.0;
+};
+
+TEST_F(SharedRenderer, IsSharedByTimeNotByFrames) {
+  welcome(1, "alice", 0);
+  welcome(2, "bob", 0);
+  auto got = render_frames(400, Costs::Told);
+  EXPECT_NEAR(got["slow"], got["quick"], 30.0) << "at most one frame apart";
+}
+
+/// The twin: were costs not told, frames would be equal and the slow client take three quarters.
+TEST_F(SharedRenderer, WouldBeSharedByFramesIfCostsWereNotTold) {
+  welcome(1, "alice", 0);
+  welcome(2, "bob", 0);
+  auto got = render_frames(400, Costs::Kept);
+  EXPECT_NEAR(got["slow"], 3.0 * got["quick"], 30.0);
+}
+
+TEST_F(SharedRenderer, OwesNothingToAClientThatWasIdle) {
+  welcome(1, "alice", 0);
+  for (int i = 0; i < 100; ++i, now_ms_ += 30.0) {
+    see(1, ++sequence_, now_ms_);
+    const auto start = table_.next_frame(at_ms(now_ms_));
+    ASSERT_TRUE(start);
+    table_.on_rendered(start->key, units::from_ms(30.0));
+    table_.on_frame_abandoned(start->key);
+  }
+  welcome(2, "bob", now_ms_);
+  auto got = render_frames(40, Costs::Told);
+  EXPECT_NEAR(got["slow"], got["quick"], 60.0);
+}
+
 TEST_F(SessionTableTest, BadSettingsChangeNothingAndAreCounted) {
   welcome(1, "alice", 0);
   net::Settings bad;

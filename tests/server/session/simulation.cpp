@@ -11,11 +11,14 @@ namespace {
 constexpr double kViewPeriodMs = 1000.0 / 72.0;
 constexpr double kHelloRetryMs = 300.0;
 constexpr double kTickMs = 10.0;
+constexpr double kStrangerPeriodMs = 50.0;
+constexpr std::uint64_t kStranger = 1'000'000;
 }  // namespace
 
 Simulation::Simulation(std::uint64_t seed, const SessionRules& rules) : rules_(rules), seed_(seed) {
   restart_server();
   client_step();
+  stranger_step();
 }
 
 double Simulation::uniform(double low, double high) {
@@ -68,6 +71,16 @@ void Simulation::client_step() {
       say_hello();
   }
   after(kViewPeriodMs, [this] { client_step(); });
+}
+
+void Simulation::stranger_step() {
+  net::Acks acks;
+  acks.epoch = welcome_ ? welcome_->epoch : 0;
+  acks.received = received_;
+  deliver_loosely([this, acks] {
+    to_server(net::ViewReceived{net::PeerId{kStranger}, view(1, 1), acks, now()});
+  });
+  after(kStrangerPeriodMs, [this] { stranger_step(); });
 }
 
 void Simulation::say_hello() {
@@ -147,6 +160,8 @@ void Simulation::to_server(const net::ServerEvent& event) {
 
 void Simulation::carry_out(const Actions& actions) {
   for (const SendWelcome& action : all_of<SendWelcome>(actions))
+    require(action.peer.value != kStranger, "a stranger was welcomed");
+  for (const SendWelcome& action : all_of<SendWelcome>(actions))
     deliver_in_order(downlink_arrival_ms_, [this, action] {
       if (action.peer.value == peer_) on_welcome(action.welcome);
     });
@@ -161,6 +176,7 @@ void Simulation::carry_out(const Actions& actions) {
 }
 
 void Simulation::release(const ReleaseFrame& action) {
+  require(action.peer.value != kStranger, "a stranger got a frame");
   const auto [newest, first] = newest_released_.try_emplace(action.key.epoch, action.key);
   require(first || newest->second.frame < action.key.frame, "frames leave out of order");
   newest->second = action.key;

@@ -1,6 +1,7 @@
 // A client, a server and the network between them in virtual time: everything random comes from one
 // seed, so a failing seed is a reproducible test. Views and frames may be late, dropped, duplicated
-// and reordered; Hello, Welcome and Refusal keep their order, as on one connection. The server side
+// and reordered; the server's clock may jump; a stranger says views and acks without ever being
+// welcomed. Hello, Welcome and Refusal keep their order, as on one connection. The server side
 // is the real SessionTable; client, renderer and encoder are models of their timing.
 #pragma once
 
@@ -35,6 +36,8 @@ class Simulation {
   void restart_client();
   /// The client says nothing for a while.
   void silence_client(double ms);
+  /// The server's machine slept: its clock runs on by so much at once.
+  void jump_server_clock(double ms) { server_ahead_us_ += static_cast<std::int64_t>(ms * 1e3); }
 
   double now_ms() const { return static_cast<double>(now_us_) * 1e-3; }
   double newest_shown_ms() const { return newest_shown_ms_; }
@@ -52,7 +55,9 @@ class Simulation {
     std::uint32_t epoch = 0;
     std::uint64_t frame = 0, view_sequence = 0;
   };
-  ServerTime now() const { return ServerTime{std::chrono::microseconds{now_us_}}; }
+  ServerTime now() const {
+    return ServerTime{std::chrono::microseconds{now_us_ + server_ahead_us_}};
+  }
   void after(double ms, std::function<void()> event);
   void require(bool holds, const std::string& what);
 
@@ -63,6 +68,8 @@ class Simulation {
 
   // The client.
   void client_step();
+  /// Somebody whose connection was never welcomed: views and acks of a session that is not his.
+  void stranger_step();
   void say_hello();
   void send_view();
   void on_welcome(const net::Welcome& welcome);
@@ -79,7 +86,7 @@ class Simulation {
 
   SessionRules rules_;
   std::uint64_t seed_, draws_ = 0;
-  std::int64_t now_us_ = 3'600'000'000;
+  std::int64_t now_us_ = 3'600'000'000, server_ahead_us_ = 0;
   std::multimap<std::int64_t, std::function<void()>> events_;
   Faults faults_;
   std::string violation_;
