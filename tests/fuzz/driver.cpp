@@ -152,14 +152,11 @@ void add_files(const std::string& path, std::vector<std::string>& corpus) {
 }
 
 int run(const Arguments& arguments) {
-  std::vector<std::string> corpus = seeds();
   if (!arguments.seed_folder.empty()) {
-    std::filesystem::create_directories(arguments.seed_folder);
-    for (std::size_t i = 0; i < corpus.size(); ++i)
-      std::ofstream(arguments.seed_folder + "/seed-" + std::to_string(i), std::ios::binary)
-          << corpus[i];
+    write_seeds(arguments.seed_folder);
     return 0;
   }
+  std::vector<std::string> corpus = seeds();
   for (const std::string& path : arguments.paths) add_files(path, corpus);
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGALRM})
     std::signal(signal, write_failed_input);

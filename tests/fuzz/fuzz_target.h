@@ -25,6 +25,13 @@ void try_input(Input input);
 /// Good inputs, made by the code that writes them, so that they follow the formats.
 std::vector<std::string> seeds();
 
+inline void write_seeds(const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  std::size_t count = 0;
+  for (const std::string& seed : seeds())
+    std::ofstream(folder + "/seed-" + std::to_string(count++), std::ios::binary) << seed;
+}
+
 inline std::span<const std::byte> as_bytes(Input input) {
   return std::as_bytes(input);
 }
