@@ -103,6 +103,12 @@ std::string first_line(std::string text) {
 
 }  // namespace
 
+std::vector<std::string> settings_keys() {
+  std::vector<std::string> names;
+  for (const Key& key : kKeys) names.emplace_back(key.name);
+  return names;
+}
+
 Result<void> apply_settings_file(const std::string& path, Options& options) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored))

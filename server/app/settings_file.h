@@ -3,11 +3,15 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "server/app/options.h"
 #include "shared/base/result.h"
 
 namespace macula::server_app {
+
+/// Every key a settings file may have.
+std::vector<std::string> settings_keys();
 
 /// Overwrites what the file sets.
 Result<void> apply_settings_file(const std::string& path, Options& options);

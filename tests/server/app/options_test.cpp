@@ -1,6 +1,9 @@
 #include "server/app/options.h"
 
+#include "server/app/settings_file.h"
+
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -147,6 +150,39 @@ TEST_F(SettingsFile, WhatIsDescribedCanBeReadBack) {
   Options told = parsed({"--scene", "posts", "--target-ms", "12.5", "--oversampling", "2"});
   const std::string file = write(describe(told));
   EXPECT_EQ(describe(parsed({"--config", file.c_str()})), describe(told));
+}
+
+/// deploy/server.toml with every setting taken out of its comment, and the keys they set.
+struct SampleSettings {
+  std::string text;
+  std::vector<std::string> keys;
+};
+SampleSettings sample_settings() {
+  SampleSettings sample;
+  std::ifstream in(MACULA_SOURCE_DIR "/deploy/server.toml");
+  for (std::string line; std::getline(in, line);) {
+    const std::size_t equals = line.find(" = ");
+    const bool is_setting =
+        line.rfind("# ", 0) == 0 && equals != std::string::npos && line.find(' ', 2) == equals;
+    if (!is_setting) continue;
+    sample.keys.push_back(line.substr(2, equals - 2));
+    sample.text += line.substr(2) + "\n";
+  }
+  return sample;
+}
+
+TEST_F(SettingsFile, TheSampleHasEveryKeyOnceWithItsDefault) {
+  SampleSettings sample = sample_settings();
+  auto known = settings_keys();
+  std::sort(known.begin(), known.end());
+  std::sort(sample.keys.begin(), sample.keys.end());
+  EXPECT_EQ(sample.keys, known);
+  const Options defaults;
+  const std::string path = write(sample.text);
+  Options set = parsed({"--config", path.c_str()});
+  set.config.clear();
+  set.target_ms.reset();  // its default is to have none
+  EXPECT_EQ(describe(set), describe(defaults));
 }
 
 }  // namespace
