@@ -6,6 +6,7 @@
 #include <exception>
 #include <iostream>
 
+#include "client/app/doctor.h"
 #include "client/app/options.h"
 #include "client/app/pair_command.h"
 #include "client/app/run_client.h"
@@ -34,7 +35,14 @@ void print_config(const client_app::ClientConfig& config) {
   base::log_info(line);
 }
 
+int examine(const client_app::ClientConfig& config) {
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  return client_app::run_doctor(config, base::SteadyClock{}, interrupted, std::cout) ? 0 : 1;
+}
+
 int run(const client_app::Options& options) {
+  if (options.task == client_app::Task::Examine) return examine(options.config);
   base::set_log_level(options.verbosity == client_app::Verbosity::Verbose ? base::LogLevel::Trace
                                                                           : base::LogLevel::Info);
   print_config(options.config);

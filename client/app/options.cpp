@@ -18,7 +18,7 @@ struct Typed {
   std::uint64_t frames = 0;
   double refresh_hz = 72.0, fov_deg = 80.0, ipd_mm = 63.0, oversampling = 0.0, connect_s = 10.0;
   int eyes = 2, picture_every = 12;
-  bool fast = false, loop = false, verbose = false;
+  bool fast = false, loop = false, verbose = false, doctor = false;
 };
 
 // Each option says its form and, in parentheses, its default; the library's own forms read badly.
@@ -41,6 +41,9 @@ void add_server_options(CLI::App& app, Typed& typed) {
       ->option_text("SECONDS (10)")
       ->check(within(0.1, 3600.0));
   app.add_option("--keys", typed.keys, "Key folder")->option_text("DIR ($XDG_CONFIG_HOME/macula)");
+  app.add_flag("--doctor", typed.doctor,
+               "Examine keys, connection, version, stream, clock and graphics, say what to do "
+               "about what does not work, and end");
   app.add_option("--codec", typed.codec, "Colour codec to ask for")
       ->option_text("auto|jpeg|h264|lossless (the server's)")
       ->check(CLI::IsMember({"auto", "jpeg", "h264", "lossless"}));
@@ -231,6 +234,7 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   const bool headless = config.display == DisplayKind::Headless;
   config.out_folder = typed.out.empty() && headless ? "macula-out" : typed.out;
   config.picture_every = typed.picture_every;
+  options.task = typed.doctor ? Task::Examine : Task::Show;
   options.verbosity = typed.verbose ? Verbosity::Verbose : Verbosity::Normal;
   return options;
 }

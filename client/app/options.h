@@ -20,9 +20,12 @@ struct Environment {
 
 enum class Verbosity { Normal, Verbose };
 
+enum class Task { Show, Examine };
+
 struct Options {
   ClientConfig config;
   Verbosity verbosity = Verbosity::Normal;
+  Task task = Task::Show;
 };
 
 /// A text to print instead of running (--help, --version).

@@ -91,6 +91,21 @@ TEST_F(TwoMachines, PairedOnceTheClientStreamsUntilItIsRevoked) {
   EXPECT_NE(refused.output.find("does not know this client"), std::string::npos) << refused.output;
 }
 
+TEST_F(TwoMachines, TheDoctorSaysWhatIsMissingAndThenThatAllIsWell) {
+  const auto examine = [&] {
+    return client({"--doctor", "--connect", endpoint_, "--display", "headless", "--size", "64x64"});
+  };
+  const MeasuredRun before = examine();
+  EXPECT_EQ(before.status, 1) << before.output;
+  EXPECT_NE(before.output.find("BAD   server"), std::string::npos) << before.output;
+  EXPECT_NE(before.output.find("macula-client pair"), std::string::npos) << before.output;
+  ASSERT_EQ(pair().status, 0);
+  const MeasuredRun after = examine();
+  EXPECT_EQ(after.status, 0) << after.output;
+  EXPECT_NE(after.output.find("ok    connection"), std::string::npos) << after.output;
+  EXPECT_NE(after.output.find("all is well"), std::string::npos) << after.output;
+}
+
 TEST_F(TwoMachines, AWrongCodePairsNobody) {
   const MeasuredRun wrong = pair("000 000");  // right once in a million runs
   EXPECT_EQ(wrong.status, 1) << wrong.output;
