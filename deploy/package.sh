@@ -31,12 +31,13 @@ ls -l "$packages"
 clean=$root/build/debian-root
 if [ ! -x "$clean/usr/bin/apt-get" ]; then debootstrap --variant=minbase bookworm "$clean" >"$root/build/debootstrap.log"; fi
 in_clean() { chroot "$clean" env DEBIAN_FRONTEND=noninteractive HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin "$@"; }
-cleanup() { for place in proc dev; do umount "$clean/$place" 2>/dev/null || true; done; }
+cleanup() { for place in proc dev/pts dev; do umount "$clean/$place" 2>/dev/null || true; done; }
 trap cleanup EXIT
 mount --bind /proc "$clean/proc"
 mount --bind /dev "$clean/dev"
+mount -t devpts devpts "$clean/dev/pts" 2>/dev/null || true
 cp /etc/resolv.conf "$clean/etc/resolv.conf"
-mkdir -p "$clean/packages"
+rm -rf "$clean/packages" && mkdir -p "$clean/packages"
 cp "$packages"/*.deb "$clean/packages/"
 in_clean apt-get update -qq
 in_clean apt-get install -y -qq --no-install-recommends libarchive-tools systemd >/dev/null 2>&1
@@ -67,7 +68,7 @@ in_clean sh -ec '
 echo "== removed"
 in_clean apt-get remove -y -qq macula-server macula-client >/dev/null
 in_clean find /etc /usr/bin /usr/share/doc /lib/systemd/system /var/lib -name '*macula*' -not -path '/var/lib/dpkg/*' | sort
-in_clean apt-get purge -y -qq macula-server macula-client >/dev/null
+in_clean dpkg --purge macula-server >/dev/null
 after=$(in_clean find /etc /usr/bin /usr/share/doc /lib/systemd/system /var/lib -name '*macula*' | sort)
 echo "== purged"
 [ "$before" = "$after" ] || { diff <(echo "$before") <(echo "$after"); exit 1; }

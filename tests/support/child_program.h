@@ -2,13 +2,16 @@
 // is killed with the test.
 #pragma once
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace macula::test {
@@ -19,7 +22,7 @@ class ChildProgram {
   ChildProgram(const std::string& file, std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), file);
     std::array<int, 2> ends{};
-    if (pipe(ends.data()) != 0) return;
+    if (pipe2(ends.data(), O_CLOEXEC) != 0) return;
     pid_ = fork();
     if (pid_ == 0) {
       dup2(ends[1], STDOUT_FILENO);
@@ -40,6 +43,7 @@ class ChildProgram {
       signal(SIGKILL);
       status();
     }
+    if (reader_.joinable()) reader_.join();
     if (output_ != nullptr) fclose(output_);
   }
 
@@ -61,19 +65,33 @@ class ChildProgram {
     return all_;
   }
   pid_t pid() const { return pid_; }
+  /// What it prints from now on goes nowhere, so that it never waits for a reader.
+  void discard_output() {
+    reader_ = std::thread([this] { read_all(); });
+  }
   /// Exit status, or -signal.
   int status() {
     int raw = 0;
     waitpid(pid_, &raw, 0);
+    return ended(raw);
+  }
+  std::optional<int> status_if_ended() {
+    int raw = 0;
+    if (waitpid(pid_, &raw, WNOHANG) != pid_) return std::nullopt;
+    return ended(raw);
+  }
+
+ private:
+  int ended(int raw) {
     ended_ = true;
     return WIFEXITED(raw) ? WEXITSTATUS(raw) : -WTERMSIG(raw);
   }
 
- private:
   pid_t pid_ = -1;
   FILE* output_ = nullptr;
   std::string all_;
   bool ended_ = false;
+  std::thread reader_;
 };
 
 }  // namespace macula::test

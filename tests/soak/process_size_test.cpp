@@ -1,0 +1,32 @@
+#include "tests/soak/process_size.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+namespace macula::soak {
+namespace {
+
+/// 10 MB and 0.5 MB an hour more, with noise of +-1 MB that averages out.
+TEST(ProcessSize, TheSlopeOfALeakIsFoundUnderNoise) {
+  std::vector<ProcessSize> sizes;
+  for (int i = 0; i < 3600; ++i) {
+    const double at_s = i;
+    sizes.push_back({at_s, 10.0 + 0.5 * at_s / 3600.0 + (i % 2 == 0 ? 1.0 : -1.0), 0, 0});
+  }
+  EXPECT_NEAR(resident_slope_mb_per_h(sizes), 0.5, 0.01);
+}
+
+TEST(ProcessSize, SeesADescriptorAndAMegabyte) {
+  const ProcessSize before = size_of(::getpid(), 0.0);
+  const int file = ::open("/dev/null", O_RDONLY);
+  std::vector<char> memory(64U << 20, 1);
+  const ProcessSize after = size_of(::getpid(), 1.0);
+  ::close(file);
+  EXPECT_EQ(after.descriptors, before.descriptors + 1);
+  EXPECT_GE(after.threads, 1);
+  EXPECT_GT(after.resident_mb, before.resident_mb + 60.0 * memory[1]);
+}
+
+}  // namespace
+}  // namespace macula::soak
