@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "shared/metrics/convolution.h"
@@ -139,14 +140,28 @@ Plane<float> color_difference(const Opponent& reference, const Opponent& test, d
   return result;
 }
 
+/// factor * exp(exponent)
+struct Weight {
+  double factor = 0.0, exponent = 0.0;
+};
+
 /// Positive and negative weights each scaled to a sum of one, so that a step and a spot of full
-/// contrast both answer with about 1.
-Taps<float> balanced(const std::vector<double>& weights) {
-  double positive = 0.0, negative = 0.0;
-  for (const double w : weights) (w > 0.0 ? positive : negative) += std::abs(w);
+/// contrast both answer with about 1. Where a pixel is wide, all of one sign may be smaller than
+/// any number is: their ratios are not, and pictures of less than a pixel a degree have features
+/// too.
+Taps<float> balanced(const std::vector<Weight>& weights) {
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  double most[2] = {kNone, kNone}, sum[2] = {};
+  const auto sign = [](const Weight& w) { return w.factor > 0.0 ? 1 : 0; };
+  const auto value = [&](const Weight& w) {
+    return w.factor == 0.0 ? 0.0 : w.factor * std::exp(w.exponent - most[sign(w)]);
+  };
+  for (const Weight& w : weights)
+    if (w.factor != 0.0) most[sign(w)] = std::max(most[sign(w)], w.exponent);
+  for (const Weight& w : weights) sum[sign(w)] += std::abs(value(w));
   Taps<float> taps;
-  for (const double w : weights)
-    taps.push_back(static_cast<float>(w / (w > 0.0 ? positive : negative)));
+  for (const Weight& w : weights)
+    taps.push_back(w.factor == 0.0 ? 0.0F : static_cast<float>(value(w) / sum[sign(w)]));
   return taps;
 }
 
@@ -160,11 +175,11 @@ class FeatureDetector {
   explicit FeatureDetector(double ppd) {
     const double sigma = 0.5 * kFeatureWidthDegrees * ppd;
     const int radius = static_cast<int>(std::ceil(3.0 * sigma));
-    std::vector<double> first, second;
+    std::vector<Weight> first, second;
     for (int x = -radius; x <= radius; ++x) {
-      const double g = std::exp(-0.5 * x * x / (sigma * sigma));
-      first.push_back(-x * g);
-      second.push_back((x * x / (sigma * sigma) - 1.0) * g);
+      const double exponent = -0.5 * x * x / (sigma * sigma);
+      first.push_back({static_cast<double>(-x), exponent});
+      second.push_back({x * x / (sigma * sigma) - 1.0, exponent});
     }
     smooth_ = gaussian_taps<float>(sigma, radius);
     first_ = balanced(first);

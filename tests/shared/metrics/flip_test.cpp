@@ -90,6 +90,20 @@ TEST(Flip, IsZeroForIdenticalPicturesAndSymmetric) {
             summarise(flip_map(noisy_ramp(), ramp())).mean);
 }
 
+/// It was no number for pictures of 48 x 54 at 98 degrees: every weight beside the middle of the
+/// feature filters was too small for a number, and their sum 0.
+TEST(Flip, IsANumberHoweverWideAPixelIs) {
+  double last = summarise(flip_map(ramp(), noisy_ramp(), 1.2)).mean;
+  for (const double ppd : {0.8, 0.6, 0.41, 0.1, 1e-3}) {
+    const double mean = summarise(flip_map(ramp(), noisy_ramp(), ppd)).mean;
+    EXPECT_GT(mean, 0.0) << ppd;
+    // Features are those of neighbouring pixels then; colours are seen as they are.
+    EXPECT_NEAR(mean, last, 0.1 * last) << ppd;
+    EXPECT_EQ(summarise(flip_map(ramp(), ramp(), ppd)).max, 0.0) << ppd;
+    last = mean;
+  }
+}
+
 TEST(Flip, ClampsWhatADisplayCannotShow) {
   EXPECT_EQ(summarise(flip_map(constant(1.0F), constant(7.0F))).max, 0.0);
   EXPECT_EQ(summarise(flip_map(constant(0.0F), constant(-7.0F))).max, 0.0);

@@ -1,6 +1,7 @@
 #include "server/kernels/sphere/sphere_kernel.h"
 
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include <cmath>
 #include <cstring>
@@ -149,6 +150,36 @@ TEST(SphereKernel, SameBitsForAnyNumberOfThreads) {
     const View view = view_of(*scene);
     EXPECT_TRUE(same_bits(one.next(*scene, view).radiance, three.next(*scene, view).radiance)) << i;
   }
+}
+
+/// Mean square of differences relative to the luminance of `a`, at least 0.01.
+double relative_square(const Plane<Rgb>& a, const Plane<Rgb>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double wanted = image::luminance(a.pixels()[i]), got = image::luminance(b.pixels()[i]);
+    sum += std::pow((got - wanted) / std::max(wanted, 0.01), 2.0);
+  }
+  return sum / static_cast<double>(a.size());
+}
+
+/// Lighting and patterns have vectors of their own.
+TEST(SphereKernel, EveryInstructionSetShowsTheSamePicture) {
+  const auto scene = frame_of("columns", 1.0);
+  const View view = view_of(*scene, 96);
+  const Config config = unfoveated(Tracing::Pyramid);
+  const Plane<Rgb> best = Session(config).next(*scene, view).radiance;
+  int sets = 0;
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1, ++sets) {
+    hwy::SetSupportedTargetsForTest(rest & -rest);
+    const Plane<Rgb> shown = Session(config).next(*scene, view).radiance;
+    hwy::SetSupportedTargetsForTest(0);
+    EXPECT_LE(relative_square(best, shown), 1e-4) << hwy::TargetName(rest & -rest);
+  }
+  EXPECT_GE(sets, 2);
+  // 2 % too bright must be seen.
+  Plane<Rgb> bright = best;
+  for (Rgb& color : bright.pixels()) color *= 1.02F;
+  EXPECT_GT(relative_square(best, bright), 1e-4);
 }
 
 TEST(SphereKernel, TheFoveaIsThatOfTheUnfoveatedPicture) {
