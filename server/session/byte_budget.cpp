@@ -30,6 +30,7 @@ double depth_at(double full_bytes, int divisor) {
 void ByteBudget::on_encoded(const EncodedSize& size) {
   const double ms = units::to_ms(size.work);
   work_ms_ = work_ms_ == 0.0 ? ms : work_ms_ + kSmoothing * (ms - work_ms_);
+  last_bytes_ = static_cast<double>(size.color_bytes + size.depth_bytes);
   full_depth_bytes_ = static_cast<double>(size.depth_bytes) *
                       std::pow(kDepthShrinks, std::log2(static_cast<double>(size.depth_divisor)));
   cells_ = static_cast<double>(size.cells);
@@ -73,7 +74,9 @@ BytePlan ByteBudget::plan(const LinkState& link, ServerTime now) {
   BytePlan plan;
   plan.color_bytes = static_cast<std::size_t>(color);
   plan.depth_divisor = divisor_;
-  plan.least_interval = units::from_s(bytes / (kUsedShare * *link.bytes_per_s));
+  // A frame need not take all it may: the link rests from what the last one took.
+  plan.least_interval =
+      units::from_s(std::min(bytes, last_bytes_) / (kUsedShare * *link.bytes_per_s));
   plan.scale = scale_;
   return plan;
 }

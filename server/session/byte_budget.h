@@ -51,6 +51,7 @@ class ByteBudget {
   std::optional<Nanoseconds> goal_;
   double work_ms_ = 0.0;           ///< smoothed, without waiting for the link
   double full_depth_bytes_ = 0.0;  ///< of a frame at divisor 1, by the last one
+  double last_bytes_ = 0.0;        ///< of a frame as it turned out
   double cells_ = 0.0;             ///< of a frame at scale 1, by the last one
   double allowed_bytes_ = 0.0;     ///< rises slowly, falls at once
   int divisor_ = 1;

@@ -170,6 +170,15 @@ TEST(ByteBudget, AFastLinkGetsAllItsBytes) {
   EXPECT_EQ(play.last_quality.scale, 1.0);
 }
 
+// What a frame may take and does not must not hold the next one up.
+TEST(ByteBudget, SmallFramesOnAFastLinkComeAtTheDisplaysRate) {
+  ByteBudget budget(100ms);
+  budget.on_encoded({4000, 1000, 100'000, 1, units::from_ms(10.0)});
+  const BytePlan plan =
+      budget.plan({100 * kMbit, units::from_ms(8.0), units::from_ms(14.0)}, at_ms(0));
+  EXPECT_LT(plan.least_interval, units::from_ms(1.0));
+}
+
 TEST(ByteBudget, FromAHundredToTwoMbitAgesStayWithinTwiceTheGoalAndRecover) {
   Play play(100ms);
   play.run(5000);
