@@ -21,8 +21,10 @@ double CreditWindow::sends_per_second(ServerTime now) const {
 }
 
 int CreditWindow::window(ServerTime now) const {
-  const auto least = rtt_.least(now);
+  auto least = rtt_.least(now);
   if (!least) return rules_.least_window;
+  // Of a full link, frames' own round trips are mostly the frames before them.
+  if (ping_rtt_ > Nanoseconds::zero()) least = std::min(*least, ping_rtt_);
   const double frames = std::ceil(sends_per_second(now) * units::to_s(*least)) + 1.0;
   return static_cast<int>(std::clamp(frames, static_cast<double>(rules_.least_window),
                                      static_cast<double>(rules_.most_window)));
@@ -93,6 +95,7 @@ void CreditWindow::note_progress(const net::Acks& acks, ServerTime received) {
 AckVerdict CreditWindow::acknowledge(const net::Acks& acks, ServerTime received) {
   if (acks.received > last_sent_ || acks.receiving > last_sent_) return AckVerdict::AboveLastSent;
   note_progress(acks, received);
+  if (acks.least_rtt > Nanoseconds::zero()) ping_rtt_ = acks.least_rtt;
   if (acks.received <= newest_received_) return AckVerdict::Repeated;
   newest_received_ = acks.received;
   std::erase_if(in_flight_, [&](const InFlight& f) { return f.frame <= acks.received; });

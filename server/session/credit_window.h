@@ -2,7 +2,8 @@
 // is handed to the network, then in flight until it is acknowledged, lost or timed out. At most
 // window() frames are in flight and one more may be unsent beyond them; window() = clamp(ceil(rate
 // x least RTT)
-// + 1, 2, 6), where rate is the measured rate of sending. One epoch of one session; pure, not
+// + 1, 2, 6), where rate is the measured rate of sending and the RTT that of the client's Pings,
+// or of frames where that is less. One epoch of one session; pure, not
 // thread-safe, bounded memory. Frame ids count from 1.
 #pragma once
 
@@ -75,6 +76,7 @@ class CreditWindow {
   std::uint64_t receiving_ = 0, receiving_bytes_ = 0;
   ServerTime last_progress_{};
   RttWindow rtt_;
+  Nanoseconds ping_rtt_{0};  ///< as the client measures it between frames; 0: not known
 };
 
 }  // namespace macula::session

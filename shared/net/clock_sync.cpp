@@ -9,11 +9,10 @@ namespace {
 /// Two quartz clocks differ by less than this; the bound grows by it while a sample ages.
 constexpr std::int64_t kSkew_ppm = 500;
 constexpr std::size_t kMostSamples = 256;
-/// What a line is laid through to learn the skew, and the least of it: 0.2 ms of noise over 8 s are
-/// 25 ppm, a twentieth of what is allowed for.
+/// What a line is laid through to learn the skew, and the least of it: half a millisecond of noise
+/// over 8 s are 60 ppm, an eighth of what is allowed for.
 constexpr std::size_t kMostSeconds = 64;
 constexpr Nanoseconds kLeastSpan = std::chrono::seconds{8};
-constexpr double kStampNoise_s = 0.2e-3;
 
 Nanoseconds drift_over(Nanoseconds age) {
   return std::max(Nanoseconds{0}, age) * kSkew_ppm / 1'000'000;
@@ -36,12 +35,11 @@ void ClockSync::add(const Sample& sample) {
     return;
   }
   const Kept kept{down + (up - down) / 2, rtt, sample.ping_sent};
-  if (const auto known = estimate(sample.pong_received)) {
-    const Nanoseconds apart = std::chrono::abs(kept.offset - known->server_minus_client);
-    if (apart > known->bound + rtt / 2 + drift_over(sample.pong_received - sample.ping_sent)) {
-      reset();
-      ++resets_;
-    }
+  const Nanoseconds reach = rtt / 2 + drift_over(sample.pong_received - sample.ping_sent);
+  const Interval allowed = allowed_at(sample.pong_received);
+  if (kept.offset + reach < allowed.least || kept.offset - reach > allowed.most) {
+    reset();
+    ++resets_;
   }
   // A sample that allows all that a newer one does has nothing left to say.
   std::erase_if(samples_, [&](const Kept& older) {
@@ -53,75 +51,79 @@ void ClockSync::add(const Sample& sample) {
   remember_second(kept);
 }
 
+/// Never empty: a sample that contradicts the others makes them be forgotten.
+ClockSync::Interval ClockSync::allowed_at(ClientTime now) const {
+  Interval allowed;
+  for (const Kept& kept : samples_) {
+    const Nanoseconds reach = kept.rtt / 2 + drift_over(now - kept.at);
+    allowed.least = std::max(allowed.least, kept.offset - reach);
+    allowed.most = std::min(allowed.most, kept.offset + reach);
+  }
+  return allowed;
+}
+
 void ClockSync::reset() {
   samples_.clear();
   seconds_.clear();
 }
 
 void ClockSync::remember_second(const Kept& kept) {
-  if (!seconds_.empty() && kept.at - seconds_.back().at < std::chrono::seconds{1}) {
-    if (kept.rtt < seconds_.back().rtt) {
-      seconds_.back() = {kept.offset, kept.rtt, seconds_.back().at};
-    }
+  if (!seconds_.empty() && kept.at - second_began_ < std::chrono::seconds{1}) {
+    if (kept.rtt < seconds_.back().rtt) seconds_.back() = kept;
     return;
   }
+  second_began_ = kept.at;
   seconds_.push_back(kept);
   if (seconds_.size() > kMostSeconds) seconds_.pop_front();
 }
 
-// Weighted least squares of offset over time. What a round trip took beyond the least one is how
-// far its two ways may differ from the others', so that is a sample's noise.
+// Least squares of offset over time, through the seconds whose round trip was within a millisecond
+// of the least: how the others share theirs between the two ways is not known.
 double ClockSync::skew() const {
-  if (seconds_.size() < 2 || seconds_.back().at - seconds_.front().at < kLeastSpan) return 0.0;
-  const auto least = std::min_element(seconds_.begin(), seconds_.end(),
-                                      [](const Kept& a, const Kept& b) { return a.rtt < b.rtt; });
-  const auto seconds_from_first = [this](const Kept& kept) {
-    return units::to_s(kept.at - seconds_.front().at);
+  constexpr Nanoseconds kAlike = std::chrono::milliseconds{1};
+  const auto quickest = quickest_second();
+  double count = 0.0, times = 0.0, offsets = 0.0;
+  ClientTime first = ClientTime::max(), last = ClientTime::min();
+  const auto over_alike = [&](const auto& visit) {
+    for (const Kept& kept : seconds_) {
+      if (kept.rtt > quickest->rtt + kAlike) continue;
+      visit(units::to_s(kept.at - quickest->at), units::to_s(kept.offset - quickest->offset));
+      first = std::min(first, kept.at);
+      last = std::max(last, kept.at);
+    }
   };
-  double weights = 0.0, times = 0.0, offsets = 0.0;
-  const auto weight = [&](const Kept& kept) {
-    const double noise_s = kStampNoise_s + units::to_s(kept.rtt - least->rtt);
-    return 1.0 / (noise_s * noise_s);
-  };
-  const auto offset_s = [this](const Kept& kept) {
-    return units::to_s(kept.offset - seconds_.front().offset);
-  };
-  for (const Kept& kept : seconds_) {
-    weights += weight(kept);
-    times += weight(kept) * seconds_from_first(kept);
-    offsets += weight(kept) * offset_s(kept);
-  }
+  over_alike([&](double t, double offset) {
+    count += 1.0;
+    times += t;
+    offsets += offset;
+  });
+  if (count < 2.0 || last - first < kLeastSpan) return 0.0;
   double across = 0.0, along = 0.0;
-  for (const Kept& kept : seconds_) {
-    const double t = seconds_from_first(kept) - times / weights;
-    across += weight(kept) * t * (offset_s(kept) - offsets / weights);
-    along += weight(kept) * t * t;
-  }
+  over_alike([&](double t, double offset) {
+    across += (t - times / count) * (offset - offsets / count);
+    along += (t - times / count) * (t - times / count);
+  });
   constexpr double kMost = 1e-6 * static_cast<double>(kSkew_ppm);
   return std::clamp(across / along, -kMost, kMost);
 }
 
+std::deque<ClockSync::Kept>::const_iterator ClockSync::quickest_second() const {
+  return std::min_element(seconds_.begin(), seconds_.end(),
+                          [](const Kept& a, const Kept& b) { return a.rtt < b.rtt; });
+}
+
+// A link that is full for half a minute has only slow Pings, each of which bounds the offset more
+// tightly than an old quick one; the quick one is still nearer to the truth.
 std::optional<ClockEstimate> ClockSync::estimate(ClientTime now) const {
   if (samples_.empty()) return std::nullopt;
-  const auto reach_of = [now](const Kept& kept) {
-    return kept.rtt / 2 + drift_over(now - kept.at);
-  };
-  const auto best =
-      std::min_element(samples_.begin(), samples_.end(),
-                       [&](const Kept& a, const Kept& b) { return reach_of(a) < reach_of(b); });
-  Nanoseconds least = best->offset - reach_of(*best), most = best->offset + reach_of(*best);
-  for (const Kept& kept : samples_) {
-    least = std::max(least, kept.offset - reach_of(kept));
-    most = std::min(most, kept.offset + reach_of(kept));
-  }
+  const Interval allowed = allowed_at(now);
+  const auto quickest = quickest_second();
   const double slope = skew();
-  const auto carried =
-      Nanoseconds{std::llround(slope * static_cast<double>((now - best->at).count()))};
-  const Nanoseconds offset =
-      least <= most ? std::clamp(best->offset + carried, least, most) : best->offset;
-  const Nanoseconds bound =
-      least <= most ? std::max(offset - least, most - offset) : reach_of(*best);
-  return ClockEstimate{offset, bound, best->rtt, 1e6 * slope};
+  const double age_ns = static_cast<double>((now - quickest->at).count());
+  const Nanoseconds carried = quickest->offset + Nanoseconds{std::llround(slope * age_ns)};
+  const Nanoseconds offset = std::clamp(carried, allowed.least, allowed.most);
+  const Nanoseconds bound = std::max(offset - allowed.least, allowed.most - offset);
+  return ClockEstimate{offset, bound, quickest->rtt, 1e6 * slope};
 }
 
 }  // namespace macula::net

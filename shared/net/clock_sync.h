@@ -1,6 +1,6 @@
 // Clock offset and skew between client and server from four-stamp exchanges. Every sample says that
 // the offset lies within RTT / 2 + 500 ppm x the sample's age of its own; the estimate is the
-// lowest-RTT sample's offset carried on by the skew, kept within what all of them allow, and the
+// lowest-RTT sample of the last minute carried on by the skew, kept within what all allow, and the
 // bound is the farther end of that interval. A sample outside (suspend, restart) resets the
 // estimator. A value: the net thread updates, others read copies.
 #pragma once
@@ -46,10 +46,17 @@ class ClockSync {
     Nanoseconds offset, rtt;
     ClientTime at;
   };
+  struct Interval {
+    Nanoseconds least = Nanoseconds::min(), most = Nanoseconds::max();
+  };
+  Interval allowed_at(ClientTime now) const;
   void remember_second(const Kept& kept);
   double skew() const;
+  /// Only where there is a sample.
+  std::deque<Kept>::const_iterator quickest_second() const;
 
   std::deque<Kept> samples_;  ///< none allows all that a newer one does
+  ClientTime second_began_{};
   std::deque<Kept> seconds_;  ///< the lowest RTT of each second, oldest first
   int resets_ = 0, refused_ = 0;
 };

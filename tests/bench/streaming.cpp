@@ -389,7 +389,9 @@ Fields row_of(const StreamingOptions& options, const StreamingLink& link, const 
           {"recovery_ms", recovery_ms(v, link, script)},
           {"slow_age_p95_ms", slow_age_p95_ms(v, link, script)},
           {"stall_max_ms", longest_stall_ms(v)},
-          {"cells_pct", 100.0 * v.cells.mean() / nominal}};
+          {"cells_pct", 100.0 * v.cells.mean() / nominal},
+          {"render_p50_ms", v.render_ms.quantile(0.5)},
+          {"credit_wait_p50_ms", v.credit_wait_ms.quantile(0.5)}};
 }
 
 Result<pose::TraceSource> make_poses(const StreamingOptions& options) {

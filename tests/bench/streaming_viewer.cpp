@@ -24,6 +24,8 @@ class Receiver {
     thread_.request_stop();
     thread_.join();
     viewed.transit_ms = transit_ms_;
+    viewed.credit_wait_ms = credit_wait_ms_;
+    viewed.render_ms = render_ms_;
     viewed.decode_cpu_ms = decode_cpu_ms_;
     viewed.frame_bytes = frame_bytes_;
     viewed.cells = cells_;
@@ -38,9 +40,7 @@ class Receiver {
       if (!received) continue;
       ++received_;
       book_.note_begin(received->begin);
-      const Nanoseconds transit =
-          received->last_byte.time_since_epoch() - received->end.encode_end.time_since_epoch();
-      transit_ms_.add(units::to_ms(transit));
+      note_times(*received);
       auto frame = decoder_.decode(std::move(*received));
       if (!frame) {
         ++undecodable_;
@@ -54,8 +54,26 @@ class Receiver {
     }
   }
 
+  /// When a frame was handed over is told by the next one.
+  void note_times(const net::ReceivedFrame& received) {
+    const net::FrameBegin& begin = received.begin;
+    render_ms_.add(units::to_ms(received.end.render_end - received.end.render_begin));
+    if (last_ && last_->begin.epoch == begin.epoch && last_->begin.frame == begin.previous_frame) {
+      const Nanoseconds handed_over = begin.previous_send_begin.time_since_epoch();
+      transit_ms_.add(units::to_ms(last_->last_byte.time_since_epoch() - handed_over));
+      credit_wait_ms_.add(units::to_ms(handed_over - last_->end.encode_end.time_since_epoch()));
+    }
+    last_.emplace();
+    last_->begin.epoch = begin.epoch;
+    last_->begin.frame = begin.frame;
+    last_->end = received.end;
+    last_->last_byte = received.last_byte;
+  }
+
   net::ClientEndpoint& endpoint_;
   frames::StageBook& book_;
+  std::optional<net::ReceivedFrame> last_;  ///< without its pictures
+  frames::Series credit_wait_ms_, render_ms_;
   frames::FrameDecoder decoder_;
   frames::FrameStore store_;
   frames::Series transit_ms_, decode_cpu_ms_, frame_bytes_, cells_;

@@ -18,8 +18,10 @@ namespace macula::bench {
 
 struct Viewed {
   std::uint64_t refreshes = 0, with_picture = 0, shown = 0, received = 0;
-  frames::Ages ages;          ///< of every refresh with a picture
-  frames::Series transit_ms;  ///< of every frame decoded: encoded -> last byte
+  frames::Ages ages;              ///< of every refresh with a picture
+  frames::Series transit_ms;      ///< handed to the network -> last byte
+  frames::Series credit_wait_ms;  ///< encoded -> handed to the network
+  frames::Series render_ms;
   frames::Series frame_bytes, decode_cpu_ms, cells;
   frames::Series clock_error_ms;
   std::uint64_t clock_bound_broken = 0;

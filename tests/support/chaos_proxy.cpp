@@ -92,7 +92,7 @@ class Pipe {
 
   void read_from(int fd, Lane& lane, TimePoint now, std::mt19937_64& random);
   /// False when the receiver is gone.
-  bool write_to(int fd, Lane& lane, TimePoint now);
+  bool write_to(int fd, Lane& lane);
 
  private:
   struct Chunk {
@@ -143,8 +143,9 @@ void Pipe::read_from(int fd, Lane& lane, TimePoint now, std::mt19937_64& random)
   chunks_.push_back(std::move(chunk));
 }
 
-bool Pipe::write_to(int fd, Lane& lane, TimePoint now) {
+bool Pipe::write_to(int fd, Lane& lane) {
   Chunk& chunk = chunks_.front();
+  const TimePoint due = chunk.due;
   std::size_t count = chunk.bytes.size() - chunk.sent;
   const double rate = lane.shape.bytes_per_s;
   if (rate > 0.0) count = std::min(count, 1 + static_cast<std::size_t>(rate * 5e-3));
@@ -157,7 +158,9 @@ bool Pipe::write_to(int fd, Lane& lane, TimePoint now) {
   lane.bytes += done;
   if (rate > 0.0) {
     const auto takes = nanoseconds{static_cast<nanoseconds::rep>(1e9 * double(done) / rate)};
-    line_free_ = std::max(line_free_ + takes, now);
+    // From when the line could take the bytes, not from when this thread came to it: a thread that
+    // wakes late must not make the link slower than it is said to be.
+    line_free_ = std::max(line_free_, due) + takes;
   }
   if (chunk.sent == chunk.bytes.size()) chunks_.pop_front();
   return true;
@@ -389,8 +392,8 @@ bool Proxy::serve(Connection& c, TimePoint now) {
   if ((server & kReadable) != 0 && c.down.wants_bytes(down())) {
     c.down.read_from(c.server.value(), down(), now, random_);
   }
-  if ((client & POLLOUT) != 0 && !c.down.write_to(c.client.value(), down(), now)) return false;
-  if ((server & POLLOUT) != 0 && !c.up.write_to(c.server.value(), up(), now)) return false;
+  if ((client & POLLOUT) != 0 && !c.down.write_to(c.client.value(), down())) return false;
+  if ((server & POLLOUT) != 0 && !c.up.write_to(c.server.value(), up())) return false;
   return !c.up.drained() && !c.down.drained();
 }
 

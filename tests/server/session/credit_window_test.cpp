@@ -190,5 +190,26 @@ TEST(RttWindow, ForgetsItsLeastSampleAfterTenSeconds) {
   EXPECT_EQ(rtt.least(at_ms(17000)), std::nullopt);
 }
 
+// Frames of a full link take 60 ms from their last byte to their acknowledgement, for those before
+// them stand in the way; the link itself takes 8.
+TEST(CreditWindow, AFullLinkIsNotFilledFurtherForTheQueueItHas) {
+  const auto window_after = [](double ping_ms) {
+    CreditWindow credit{SessionRules{}};
+    for (std::uint64_t frame = 1; frame <= 20; ++frame) {
+      const double ms = 20.0 * static_cast<double>(frame);
+      credit.start();
+      credit.hand_over(frame, at_ms(ms));
+      credit.on_sent(frame, at_ms(ms + 1.0));
+      net::Acks acks;
+      acks.received = frame;
+      acks.least_rtt = units::from_ms(ping_ms);
+      credit.acknowledge(acks, at_ms(ms + 61.0));
+    }
+    return credit.window(at_ms(461.0));
+  };
+  EXPECT_EQ(window_after(0.0), 4) << "nothing is known of Pings: 50 a second x 60 ms, and one";
+  EXPECT_EQ(window_after(8.0), 2);
+}
+
 }  // namespace
 }  // namespace macula::session

@@ -174,6 +174,24 @@ TEST(ClockSync, WhatAllSamplesAllowIsTighterThanAnyOne) {
   EXPECT_LE(std::chrono::abs(estimate->server_minus_client - link.offset), estimate->bound);
 }
 
+// A minute of a full link: Pings take 60 ms, all of it one way. The quick ones before it are still
+// the better guide, and the round trip they had is the link's.
+TEST(ClockSync, AFullLinkDoesNotDragTheEstimateAlong) {
+  const Link link{seconds{5}, 0.0};
+  ClockSync sync;
+  for (int i = 0; i < 100; ++i) {
+    sync.add(link.exchange(at(milliseconds{100 * i}), milliseconds{4}, {}, milliseconds{4}));
+  }
+  for (int i = 100; i < 550; ++i) {
+    sync.add(link.exchange(at(milliseconds{100 * i}), milliseconds{4}, {}, milliseconds{56}));
+  }
+  const auto estimate = sync.estimate(at(seconds{55}));
+  const auto error = std::chrono::abs(estimate->server_minus_client - link.offset);
+  EXPECT_LE(error, microseconds{500});
+  EXPECT_LE(error, estimate->bound);
+  EXPECT_EQ(estimate->min_rtt, milliseconds{8});
+}
+
 TEST(ClockSync, ImpossibleSamplesAreRefusedAndCounted) {
   ClockSync sync;
   const ServerTime t{seconds{9}};
