@@ -92,7 +92,7 @@ class AllLights {
     const auto all = kernels::culling::all_lights(**scene, config_, 0, scheduler_);
     const lights::VirtualLightTable table(all.lights, 1, static_cast<float>(all.least_m));
     kernels::ray::Config lit = config_.ray;
-    lit.virtual_lights = {&table, asked, nullptr};
+    lit.virtual_lights = {&table, asked};
     kernels::FrameBuffers out;
     kernels::prepare_buffers({&setting_.view(), 1}, out);
     const kernels::FrameRequest request{

@@ -11,10 +11,67 @@ namespace {
 
 using kernels::culling::Config;
 
+using kernels::culling::Hiding;
+using kernels::culling::KeptBy;
+using kernels::culling::Space;
+
+/// As the paper has it, but for weights and shadow rays.
+void set_paper(Config& c) {
+  c.hiding = Hiding::LampMaps;
+  c.space = Space::LogPolar;
+}
+
 constexpr std::array kMethods{
-    CullingMethod{"flc_rays", "contributions with traced visibility", [](Config&) {}},
-    CullingMethod{"power", "kept by flux",
-                  [](Config& c) { c.kept_by = kernels::culling::KeptBy::Flux; }},
+    CullingMethod{"flc", "contributions by BLSO, log-polar, 4 x 4 classes, as the paper",
+                  set_paper},
+    CullingMethod{"flc_no_blso", "flc, contributions as if nothing were hidden",
+                  [](Config& c) {
+                    set_paper(c);
+                    c.hiding = Hiding::Nothing;
+                  }},
+    CullingMethod{"flc_no_logpolar", "flc, light asked in every pixel",
+                  [](Config& c) {
+                    set_paper(c);
+                    c.space = Space::Cells;
+                  }},
+    CullingMethod{"flc_no_classes", "flc_no_logpolar, every pixel asks every kept light",
+                  [](Config& c) {
+                    set_paper(c);
+                    c.space = Space::Cells;
+                    c.classes = 1;
+                    c.blur_reach = 0;
+                  }},
+    CullingMethod{"flc_literal", "flc as printed: unweighted, unshadowed, best of a chain",
+                  [](Config& c) {
+                    set_paper(c);
+                    c.weights = kernels::culling::CullWeights::None;
+                    c.shadows = kernels::ray::VirtualShadows::None;
+                    c.points = kernels::culling::PointDraw::PrintedChain;
+                    c.by_flux = 0.0F;
+                    c.importance.brightness_floor = 0.0F;
+                  }},
+    CullingMethod{"flc_rays", "contributions by rays, light asked in every pixel", [](Config&) {}},
+    CullingMethod{"flc_some", "flc_rays, 8 rays a pixel, drawn by what lights would bring",
+                  [](Config& c) { c.asked = 8; }},
+    CullingMethod{"flc_fast", "flc_some in every second pixel each way, 4 classes",
+                  [](Config& c) {
+                    c.asked = 8;
+                    c.classes = 4;
+                    c.space = Space::Thinned;
+                  }},
+    CullingMethod{"fir", "foveated instant radiosity: lights from the camera",
+                  [](Config& c) {
+                    set_paper(c);
+                    c.source = kernels::culling::LightSource::Camera;
+                    c.importance.silhouette = 0.0F;
+                  }},
+    CullingMethod{"power", "flc, kept by flux",
+                  [](Config& c) {
+                    set_paper(c);
+                    c.kept_by = KeptBy::Flux;
+                  }},
+    CullingMethod{"tree", "cuts of a light tree, sized by the importance map",
+                  [](Config& c) { c.route = kernels::culling::Route::Cuts; }},
     CullingMethod{"all_vpls", "every light from every pixel, a shadow ray each",
                   [](Config& c) {
                     c.kept = std::numeric_limits<int>::max();
@@ -46,6 +103,7 @@ Config culling_config(const CullingMethod& method, int kept) {
   options.ambient_samples = 0;
   options.lambert_only = true;
   Config config = kernels::culling::make_config(options);
+  config.ray.footprints = kernels::ray::Footprints::Points;  // as the reference's
   config.kept = kept;
   config.importance.acuity.inner = CullingSetting::fovea();
   method.set(config);

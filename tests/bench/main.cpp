@@ -290,6 +290,7 @@ Run declare_culling(CLI::App& command) {
       make_quick(*options);
       if (command.count("--motions") > 0) options->motions = given.motions;
       if (command.count("--kept") > 0) options->kept = given.kept;
+      if (command.count("--side") > 0) options->side_px = given.side_px;
       if (command.count("--reference-samples") > 0)
         options->reference_samples = given.reference_samples;
       if (command.count("--warm-up") > 0) options->warm_up = given.warm_up;

@@ -4,9 +4,12 @@
 sphere: figure_11.png (speed-up without foveation over samples a pixel), figure_12.png (time a frame
 over the fovea's radius), primitives.png (time a frame over the number of primitives, from scenes
 primitives-N) and table_1.txt (SSIM and FLIP at the fovea nearest 7.5 degrees).
+culling: error_over_kept.png, error_over_time.png and equal_time.txt (each baseline's error, read off its own
+curve at the time that flc, flc_rays and flc_fast took, over theirs).
 Needs matplotlib (Debian: python3-matplotlib).
 """
 import json
+import math
 import pathlib
 import re
 import sys
@@ -90,7 +93,61 @@ def table_1(rows, folder):
     (folder / "table_1.txt").write_text("\n".join(lines) + "\n")
 
 
-PLOTS = {"sphere": (figure_11, figure_12, primitives, table_1)}
+def culling_curves(rows, folder):
+    """RMSE in the fovea over lights kept and over time, a column a scene and motion."""
+    cases = sorted({(row["scene"], row["motion"]) for row in rows})
+    for name, key, unit in (("error_over_kept", "asked_for", "virtual lights kept"),
+                            ("error_over_time", "cpu_ms", "CPU ms a frame")):
+        figure, axes = plt.subplots(2, len(cases), figsize=(3.8 * len(cases), 6), squeeze=False)
+        for column, (scene, motion) in enumerate(cases):
+            here = select(rows, scene=scene, motion=motion)
+            for line, region in enumerate(("rmse_in150", "rmse_out150")):
+                axis = axes[line][column]
+                for method in values(here, "method"):
+                    points = sorted((row[key], row[region]) for row in select(here, method=method))
+                    if method == "all_vpls":
+                        axis.axhline(points[0][1], color="black", label=method)
+                    else:
+                        axis.plot(*zip(*points), "o-", label=method)
+                axis.set(title=f"{scene}, {motion}", xlabel=unit, ylabel=region, xscale="log",
+                         ylim=(0, None))
+        axes[0][0].legend(fontsize=6)
+        figure.tight_layout()
+        figure.savefig(folder / f"{name}.png", dpi=110)
+
+
+def read_off(points, at):
+    """A curve's value: straight in the logarithms, beyond its ends as of variance, 1 / time."""
+    points = sorted(points)
+    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+        if x0 <= at <= x1 and x1 > x0 and min(y0, y1) > 0:
+            return y0 * (at / x0) ** (math.log(y1 / y0) / math.log(x1 / x0))
+    x, y = points[0] if at < points[0][0] else points[-1]
+    return y * math.sqrt(x / at)
+
+
+def equal_time(rows, folder):
+    lines = [f"{'scene':16} {'motion':8} {'method':9} {'kept':>5} {'against':8} {'in':>6} {'out':>6}"]
+    gains = {}
+    for row in rows:
+        if row["method"] not in ("flc", "flc_rays", "flc_fast"):
+            continue
+        for against in ("fir", "power"):
+            curve = select(rows, scene=row["scene"], motion=row["motion"], method=against)
+            if not curve:
+                continue
+            gain = [read_off([(r["cpu_ms"], r[region]) for r in curve], row["cpu_ms"]) /
+                    max(row[region], 1e-9) for region in ("rmse_in150", "rmse_out150")]
+            gains.setdefault((row["method"], against), []).append(gain)
+            lines.append(f"{row['scene']:16} {row['motion']:8} {row['method']:9} {row['asked_for']:5} "
+                         f"{against:8} {gain[0]:6.2f} {gain[1]:6.2f}")
+    for (method, against), found in gains.items():
+        means = [math.exp(sum(math.log(max(g[k], 1e-9)) for g in found) / len(found)) for k in (0, 1)]
+        lines.append(f"{'geometric mean':25} {method:9} {'':5} {against:8} {means[0]:6.2f} {means[1]:6.2f}")
+    (folder / "equal_time.txt").write_text("\n".join(lines) + "\n")
+
+
+PLOTS = {"culling": (culling_curves, equal_time), "sphere": (figure_11, figure_12, primitives, table_1)}
 
 
 def main():

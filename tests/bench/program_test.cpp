@@ -450,7 +450,7 @@ TEST_F(Program, CullingKeepsLightWithFewerRaysThanAllLightsTakeAndGoesOnWhereItE
                                           "--motions",
                                           "both",
                                           "--methods",
-                                          "all_vpls,flc_rays,power",
+                                          "all_vpls,flc,power",
                                           "--side",
                                           "64",
                                           "--kept",
@@ -483,7 +483,7 @@ TEST_F(Program, CullingKeepsLightWithFewerRaysThanAllLightsTakeAndGoesOnWhereItE
 TEST_F(Program, CullingNamesItsMethods) {
   const Finished run = bench({"culling", "--methods", "none"});
   EXPECT_EQ(run.status, 2);
-  EXPECT_TRUE(contains(run.err, "flc_rays, power, all_vpls")) << run.err;
+  EXPECT_TRUE(contains(run.err, "flc_rays, flc_some")) << run.err;
 }
 
 TEST_F(Program, ReprojectionRefusesTracesThatAreTooShort) {

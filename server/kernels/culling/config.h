@@ -21,8 +21,22 @@ enum class CullWeights { Unbiased, None };
 /// its flux a little. Flux: that alone; nothing is asked of the picture.
 enum class KeptBy { Contribution, Flux };
 
-/// Whether light that a surface hides is left out (Tested), or let through, as the paper does.
-enum class Shadows { Tested, None };
+/// How contributions learn what is hidden: by rays, by what lamps see around both ends (the paper's
+/// BLSO), or not at all.
+enum class Hiding { Rays, LampMaps, Nothing };
+
+/// Lamps: traced from them, as reflective shadow maps. Camera: where rays that bounce off the
+/// places the eye looks at end; `kept` of them, none is culled (camera_lights.h; a rival, not
+/// unbiased).
+enum class LightSource { Lamps, Camera };
+
+/// Culling: cells share classes of the kept lights. Cuts: every cell asks a light of every node of
+/// a cut of a tree over all lights, as many as its importance says, kept / classes on average.
+enum class Route { Culling, Cuts };
+
+/// Where indirect light is asked, mode Fast: in every cell, in every `texel_step`-th each way, or
+/// in a log-polar picture about the gaze, `shrink` times smaller a side.
+enum class Space { Cells, Thinned, LogPolar };
 
 struct ImportanceConfig {
   foveation::RateModel acuity{foveation::RateCurve::Culling, Degrees{8.3}, Degrees{25.0}, 0.2};
@@ -38,27 +52,39 @@ struct Config {
   ray::Config ray;  ///< surfaces and direct light
   /// False: direct light alone, which is kernel `ray`'s picture.
   bool indirect = true;
-  int map_side = 64;  ///< side^2 rays a lamp make its virtual lights; >= 1
-  int kept = 1024;    ///< K >= 1; no fewer lights than that: all are kept, nothing is chance
+  int map_side = 64;        ///< side^2 rays a lamp make its virtual lights; >= 1
+  int most_made = 1 << 16;  ///< of all lamps that are points, spots and suns; at least one each
+  int kept = 1024;          ///< K >= 1; no fewer lights than that: all are kept, nothing is chance
+  LightSource source = LightSource::Lamps;
+  Route route = Route::Culling;
   KeptBy kept_by = KeptBy::Contribution;
   CullWeights weights = CullWeights::Unbiased;
   int shading_points = 64;  ///< N_s >= 1, over all views
   PointDraw points = PointDraw::Systematic;
-  int chain_length = 16;    ///< PointDraw::PrintedChain
-  int visibility_rays = 4;  ///< from every virtual light to shading points, each frame; >= 0
+  int chain_length = 16;  ///< PointDraw::PrintedChain
+  Hiding hiding = Hiding::Rays;
+  int visibility_rays = 4;         ///< from every virtual light to shading points, each frame; >= 0
+  float openness_of_point = 0.5F;  ///< lambda: share of the point's end in BLSO
   /// Share of lights kept by flux alone: one whose contribution came out as nothing may still
   /// shine.
   float by_flux = 0.1F;
   ImportanceConfig importance;
   int guide_step = 4;  ///< importance is told for every n x n-th cell; >= 1
+  Space space = Space::Cells;
+  int texel_step = 2;   ///< >= 1
+  double shrink = 1.8;  ///< sigma, >= 1
+  ray::VirtualShadows shadows = ray::VirtualShadows::Traced;
   /// Cells ask a class of the kept lights each; a square number >= 1.
   int classes = 16;
   /// Shadow rays of a cell, to so many lights of its class, drawn by what they would bring; 0: to
   /// all.
   int asked = 0;
-  /// Mode Fast: distances to virtual lights count as at least this share of half the extent of them
-  /// all; nearer they would leave bright blots.
+  /// Distances to virtual lights count as at least this share of half the extent of them all;
+  /// nearer they would leave bright blots.
   float nearest = 0.02F;
+  /// Mode Exact: what that takes is brought back by a short ray. In scenes with glossy materials
+  /// nothing is taken: what they add of a bounce is not what their virtual lights send.
+  ray::NearLight near_light = ray::NearLight::Bounced;
   /// Mode Fast: cells on each side that share their indirect light where the surface goes on; 0:
   /// none.
   int blur_reach = 2;

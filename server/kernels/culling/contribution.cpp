@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 
+#include "server/kernels/culling/local_openness.h"
 #include "shared/image/color.h"
 
 namespace macula::kernels::culling {
@@ -15,13 +18,21 @@ using visibility::kStreamCapacity;
 class LightBatch {
  public:
   LightBatch(const SceneFrame& scene, std::span<const ShadingPoint> points, const Config& config,
-             double least_m, std::uint64_t frame)
+             double least_m, std::uint64_t frame, const LampMaps* maps,
+             std::span<const Openness> around_points)
       : scene_(scene),
         points_(points),
-        rays_a_light_(std::min(config.visibility_rays, static_cast<int>(points.size()))),
+        rays_a_light_(rays_of(config, points.size())),
+        openness_of_point_(config.openness_of_point),
+        maps_(maps),
+        around_points_(around_points),
         least_m_(least_m),
         frame_(frame) {}
 
+  static int rays_of(const Config& config, std::size_t points) {
+    if (config.hiding != Hiding::Rays) return 0;
+    return std::min(config.visibility_rays, static_cast<int>(points));
+  }
   static int lights_of(const Config& config) {
     return kStreamCapacity / std::max(config.visibility_rays, 1);
   }
@@ -49,8 +60,20 @@ class LightBatch {
   }
   float mean_over_points(const VirtualPointLight& light) const {
     float sum = 0.0F;
-    for (const ShadingPoint& point : points_) sum += arriving(light, point);
+    if (maps_ == nullptr) {
+      for (const ShadingPoint& point : points_) sum += arriving(light, point);
+    } else {
+      const Openness around = maps_->around(Vec3(light.position), light.normal);
+      for (std::size_t i = 0; i < points_.size(); ++i)
+        sum += openness(around, light, i) * arriving(light, points_[i]);
+    }
     return sum / static_cast<float>(points_.size());
+  }
+  float openness(const Openness& around_light, const VirtualPointLight& light,
+                 std::size_t point) const {
+    const Vec3 d = glm::normalize(points_[point].position - Vec3(light.position));
+    return std::lerp(around_light.towards(d), around_points_[point].towards(-d),
+                     openness_of_point_);
   }
   /// Strides through the points: neighbours in the list and a light's own rays go far apart.
   const ShadingPoint& point_of(std::size_t light, int k) const {
@@ -79,12 +102,22 @@ class LightBatch {
   const SceneFrame& scene_;
   std::span<const ShadingPoint> points_;
   int rays_a_light_;
+  float openness_of_point_;
+  const LampMaps* maps_;  ///< none: everything is open
+  std::span<const Openness> around_points_;
   double least_m_;
   std::uint64_t frame_;
   visibility::RayStream rays_;
   visibility::OcclusionStream hidden_;
   std::array<float, kStreamCapacity> brings_;
 };
+
+/// Diagonal of the box about all lights; more than nothing.
+double extent(std::span<const VirtualPointLight> lights) {
+  scene::Bounds box;
+  for (const VirtualPointLight& light : lights) box.include(light.position);
+  return std::max(glm::length(box.size()), 1e-6);  // meters: one light is nowhere wide
+}
 
 }  // namespace
 
@@ -96,14 +129,23 @@ Contributions contributions(const SceneFrame& scene, std::span<const VirtualPoin
   made.unhidden.assign(lights.size(), 0.0F);
   made.visible.assign(lights.size(), 1.0F);
   if (points.empty()) return made;
+  std::optional<LampMaps> maps;
+  std::vector<Openness> around_points;
+  if (config.hiding == Hiding::LampMaps) {
+    maps.emplace(scene, static_cast<float>(extent(lights)), scheduler);
+    for (const ShadingPoint& point : points)
+      around_points.push_back(maps->around(point.position, point.normal));
+    made.rays = maps->rays();
+  }
   const auto step = static_cast<std::size_t>(LightBatch::lights_of(config));
   std::vector<std::uint64_t> rays((lights.size() + step - 1) / step);
   const auto outcome = scheduler.run(rays.size(), [&](std::size_t batch) {
     const std::size_t first = batch * step, count = std::min(step, lights.size() - first);
-    rays[batch] = LightBatch(scene, points, config, least_m, frame)
-                      .run(first, lights.subspan(first, count),
-                           std::span(made.unhidden).subspan(first, count),
-                           std::span(made.visible).subspan(first, count));
+    rays[batch] =
+        LightBatch(scene, points, config, least_m, frame, maps ? &*maps : nullptr, around_points)
+            .run(first, lights.subspan(first, count),
+                 std::span(made.unhidden).subspan(first, count),
+                 std::span(made.visible).subspan(first, count));
   });
   for (const std::uint64_t traced : rays) made.rays += traced;
   made.stopped = outcome == scheduling::Outcome::Stopped;

@@ -3,23 +3,47 @@
 #include <utility>
 
 #include "server/kernels/culling/keep_lights.h"
+#include "server/kernels/culling/light_cuts.h"
 #include "server/kernels/culling/stage_clock.h"
+#include "server/kernels/culling/texel_light.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/full.h"
 #include "server/kernels/ray/ray_kernel.h"
+#include "shared/base/text.h"
 
 namespace macula::kernels::culling {
 namespace {
 
-lights::VirtualLightTable table_of(const Config& config, const KeptLights& kept) {
-  return {kept.lights, config.classes, static_cast<float>(kept.least_m)};
-}
+/// What a frame's cells are lit with.
+class LightSetup {
+ public:
+  LightSetup(const Config& config, const KeptLights& kept)
+      : table_(kept.lights, kept.cut_nodes.empty() ? config.classes : 1,
+               static_cast<float>(kept.least_m)),
+        lit_(config.ray) {
+    const bool exact = config.ray.mode == Mode::Exact;
+    lit_.virtual_lights = {&table_, config.asked, nullptr, config.shadows,
+                           exact ? config.near_light : ray::NearLight::Lost};
+    if (kept.cut_nodes.empty() || kept.lights.empty()) return;
+    tree_ = tree_over(kept.lights);
+    lit_.virtual_lights.tree = &tree_;
+    lit_.virtual_lights.asked = kept.most_nodes;
+  }
+  LightSetup(const LightSetup&) = delete;
+  LightSetup& operator=(const LightSetup&) = delete;
 
-ray::Config lit_by(const Config& config, const lights::VirtualLightTable& table) {
-  ray::Config lit = config.ray;
-  lit.virtual_lights = {&table, config.asked, nullptr};
-  return lit;
-}
+  const ray::Config& lit() const { return lit_; }
+  ray::Config lamps_alone() const {
+    ray::Config lamps = lit_;
+    lamps.virtual_lights = {};
+    return lamps;
+  }
+
+ private:
+  lights::VirtualLightTable table_;
+  lights::LightTree tree_;
+  ray::Config lit_;
+};
 
 /// Puts calmed light in the place of what chance made.
 void replace_light(ViewBuffers& view, const Plane<Rgb>& light) {
@@ -29,32 +53,73 @@ void replace_light(ViewBuffers& view, const Plane<Rgb>& light) {
   }
 }
 
-void calm(const View& view, const Config& config, const ViewMemory* then, TileScheduler& scheduler,
-          ViewBuffers& buffers, ViewMemory& now) {
-  Plane<Rgb> light = config.blur_reach > 0
-                         ? shared_light(view, buffers, config.blur_reach, scheduler)
-                         : buffers.light;
-  if (then != nullptr && config.newest < 1.0F)
-    remember(view, buffers, *then, config.newest, scheduler, light);
-  replace_light(buffers, light);
-  now = {view.world_from_view, view.grid, buffers.depth_m, buffers.normal, std::move(light)};
+TexelMap texels_of(const View& view, const Config& config) {
+  return config.space == Space::LogPolar ? TexelMap::log_polar(view.grid, view.gaze, config.shrink)
+                                         : TexelMap::thinned(view.grid, config.texel_step);
 }
 
-void calm_all(const FrameRequest& request, const Config& config, CullingHistory& memory,
-              TileScheduler& scheduler, FrameBuffers& out) {
-  const bool remembers = memory.views.size() == request.views.size();
-  std::vector<ViewMemory> now(request.views.size());
-  for (std::size_t v = 0; v < request.views.size(); ++v) {
-    calm(request.views[v], config, remembers ? &memory.views[v] : nullptr, scheduler, out.views[v],
-         now[v]);
+/// What comes after a frame's cells have been lit, mode Fast.
+class Calming {
+ public:
+  Calming(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+          const LightSetup& setup, TileScheduler& scheduler)
+      : request_(request), scene_(scene), config_(config), setup_(setup), scheduler_(scheduler) {}
+
+  FrameReport run(CullingHistory& memory, FrameBuffers& out) const {
+    const bool remembers = memory.views.size() == request_.views.size();
+    std::vector<ViewMemory> now(request_.views.size());
+    FrameReport report;
+    for (std::size_t v = 0; v < request_.views.size(); ++v) {
+      Plane<Rgb> light = own_light(v, out.views[v], report);
+      if (remembers && config_.newest < 1.0F) {
+        remember(request_.views[v], out.views[v], memory.views[v], config_.newest, scheduler_,
+                 light);
+      }
+      replace_light(out.views[v], light);
+      const View& view = request_.views[v];
+      now[v] = {view.world_from_view, view.grid, out.views[v].depth_m, out.views[v].normal,
+                std::move(light)};
+    }
+    memory.views = std::move(now);
+    return report;
   }
-  memory.views = std::move(now);
-}
 
-std::vector<std::string> shortcuts(const SceneFrame& scene, const Config& config) {
+ private:
+  /// Of this frame alone.
+  Plane<Rgb> own_light(std::size_t v, const ViewBuffers& buffers, FrameReport& report) const {
+    const View& view = request_.views[v];
+    Plane<Rgb> light = config_.blur_reach > 0
+                           ? shared_light(view, buffers, config_.blur_reach, scheduler_)
+                           : buffers.light;
+    if (config_.space != Space::Cells && setup_.lit().virtual_lights.any()) {
+      report += add_texel_light(request_, v, texels_of(view, config_), scene_, setup_.lit(),
+                                config_.blur_reach, buffers, scheduler_, light);
+    }
+    return light;
+  }
+
+  const FrameRequest& request_;
+  const SceneFrame& scene_;
+  const Config& config_;
+  const LightSetup& setup_;
+  TileScheduler& scheduler_;
+};
+
+std::vector<std::string> shortcuts(const SceneFrame& scene, const Config& config,
+                                   const KeptLights& kept) {
   std::vector<std::string> taken = ray::shortcuts(scene);
-  taken.emplace_back(
-      "indirect light ends after one diffuse bounce, and nearest to its source is capped");
+  taken.emplace_back(base::concat("indirect light ends after one diffuse bounce, and nearer than ",
+                                  kept.least_m, " m to its source counts as from there"));
+  if (config.space == Space::Thinned) {
+    taken.emplace_back(base::concat("indirect light is asked in a cell of ", config.texel_step,
+                                    " x ", config.texel_step));
+  }
+  if (config.space == Space::LogPolar)
+    taken.emplace_back("indirect light is asked in a log-polar picture");
+  if (config.shadows == ray::VirtualShadows::None)
+    taken.emplace_back("nothing hides virtual lights");
+  if (config.source == LightSource::Camera)
+    taken.emplace_back("indirect light that no shading point sees is lost");
   if (config.weights == CullWeights::None) taken.emplace_back("culled virtual lights are lost");
   if (config.blur_reach > 0)
     taken.emplace_back("cells share their area, ambient and indirect light with neighbours");
@@ -80,22 +145,26 @@ FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame&
   CullingHistory forgotten;
   CullingHistory& memory = exact ? forgotten : record_of<CullingHistory>(history);
   const KeptLights kept = keep_lights(request, scene, config_, memory, scheduler);
-  const lights::VirtualLightTable table = table_of(config_, kept);
+  const LightSetup setup(config_, kept);
+  const bool in_cells = exact || config_.space == Space::Cells;
   const unsigned wanted =
       std::exchange(out.wanted, exact ? out.wanted : out.wanted | kLight | kNormal);
   prepare_buffers(request.views, out);
   FrameReport report = kept.report;
   memory.made = kept.made, memory.kept = kept.lights.size(), memory.stages = kept.stages;
   StageClock clock;
-  if (!report.stopped)
-    report += ray::render_full(request, scene, lit_by(config_, table), scheduler, out);
+  if (!report.stopped) {
+    report += ray::render_full(request, scene, in_cells ? setup.lit() : setup.lamps_alone(),
+                               scheduler, out, kept.cut_nodes);
+  }
   memory.stages.shading_ms = clock.lap_ms();
-  if (!report.stopped && !exact) calm_all(request, config_, memory, scheduler, out);
+  if (!report.stopped && !exact)
+    report += Calming(request, scene, config_, setup, scheduler).run(memory, out);
   memory.stages.post_ms = clock.lap_ms();
   out.wanted = wanted;
   if (!report.stopped)
     report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
-  if (!exact) report.biased_shortcuts = shortcuts(scene, config_);
+  if (!exact) report.biased_shortcuts = shortcuts(scene, config_, kept);
   return report;
 }
 
@@ -103,8 +172,8 @@ void CullingKernel::shade(std::span<const SurfacePoint> points, const SceneFrame
                           TileScheduler& scheduler, std::span<Rgb> out) const {
   KeptLights all;
   if (config_.indirect) all = all_lights(scene, config_, 0, scheduler);
-  const lights::VirtualLightTable table = table_of(config_, all);
-  ray::RayKernel(lit_by(config_, table)).shade(points, scene, scheduler, out);
+  const LightSetup setup(config_, all);
+  ray::RayKernel(setup.lit()).shade(points, scene, scheduler, out);
 }
 
 }  // namespace macula::kernels::culling

@@ -34,6 +34,9 @@ struct KeptLights {
       lights;            ///< weights in their fluxes, along the Morton curve
   std::size_t made = 0;  ///< virtual lights before culling
   double least_m = 0.0;  ///< shortest distance that counts
+  /// Route::Cuts: nodes of every cell's cut, by view, and the most of any.
+  std::vector<image::Plane<std::uint16_t>> cut_nodes;
+  int most_nodes = 0;
   FrameReport report;
   StageTimes stages;
 };

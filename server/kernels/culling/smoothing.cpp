@@ -4,31 +4,21 @@
 #include <cmath>
 #include <limits>
 
+#include "server/kernels/culling/same_surface.h"
 #include "server/reconstruction/backward_warp.h"
 #include "shared/foveation/eccentricity.h"
 
 namespace macula::kernels::culling {
 namespace {
 
-/// Cells of one surface: normals within 25 degrees, places within 2 % of the depth off the plane.
+/// What is remembered is of one surface: normals within 25 degrees, depths within 2 %.
 constexpr float kSameNormal = 0.906F;
-constexpr float kSamePlane = 0.02F;
 constexpr float kSameDepth = 0.02F;
-
-/// Places relative to the eye, world orientation, meters.
-Plane<Vec3> places(const View& view, const Plane<float>& depth_m) {
-  const Mat3 world_from_view(glm::mat3_cast(view.world_from_view.rotation));
-  Plane<Vec3> out(depth_m.width(), depth_m.height());
-  for (int y = 0; y < out.height(); ++y)
-    for (int x = 0; x < out.width(); ++x)
-      out(x, y) = depth_m(x, y) * (world_from_view * view.grid.ray(x, y));
-  return out;
-}
 
 class Sharing {
  public:
   Sharing(const View& view, const ViewBuffers& buffers, int reach)
-      : buffers_(buffers), place_(places(view, buffers.depth_m)), reach_(reach) {}
+      : buffers_(buffers), same_(view, buffers), reach_(reach) {}
 
   Rgb at(int x, int y) const {
     if (!std::isfinite(buffers_.depth_m(x, y))) return buffers_.light(x, y);
@@ -36,7 +26,7 @@ class Sharing {
     float weights = 0.0F;
     for (int dy = -reach_; dy <= reach_; ++dy) {
       for (int dx = -reach_; dx <= reach_; ++dx) {
-        if (!place_.contains(x + dx, y + dy) || !same_surface(x, y, x + dx, y + dy)) continue;
+        if (!buffers_.light.contains(x + dx, y + dy) || !same_({x, y}, {x + dx, y + dy})) continue;
         const float weight = rim(dx) * rim(dy);
         sum += weight * buffers_.light(x + dx, y + dy);
         weights += weight;
@@ -47,17 +37,9 @@ class Sharing {
 
  private:
   float rim(int d) const { return std::abs(d) == reach_ ? 0.5F : 1.0F; }
-  bool same_surface(int x, int y, int nx, int ny) const {
-    if (nx == x && ny == y) return true;
-    const float depth = buffers_.depth_m(x, y);
-    if (!std::isfinite(buffers_.depth_m(nx, ny))) return false;
-    const Vec3& normal = buffers_.normal(x, y);
-    return glm::dot(normal, buffers_.normal(nx, ny)) > kSameNormal &&
-           std::abs(glm::dot(normal, place_(nx, ny) - place_(x, y))) <= kSamePlane * depth;
-  }
 
   const ViewBuffers& buffers_;
-  Plane<Vec3> place_;
+  SameSurface same_;
   int reach_;
 };
 

@@ -14,8 +14,19 @@ namespace macula::kernels::ray {
 enum class Placement { Fixed, Jittered };
 
 /// Every: all punctual lights, and emissive triangles drawn by power. ByCut: the lights of a cut of
-/// the light tree (kernel `lightcuts`). None: surfaces only, for the planes; nothing is lit.
+/// the light tree (kernel `lightcuts`). None: surfaces only, for the planes; nothing lights them
+/// but virtual lights, where there are some.
 enum class LightChoice { Every, ByCut, None };
+
+/// Textures of mode Fast: as wide as a sample's footprint, or at points, as in mode Exact.
+enum class Footprints { Filtered, Points };
+
+/// Whether what hides a virtual light is asked by a ray, or nothing hides it.
+enum class VirtualShadows { Traced, None };
+
+/// What becomes of light from nearer than VirtualLightTable::least_m that is more than from there:
+/// lost, or brought back by a short ray a point (bias compensation, Kollig and Keller 2004).
+enum class NearLight { Lost, Bounced };
 
 /// Virtual point lights of one frame (kernel `culling`); none: no indirect light. What is pointed
 /// to must outlive the frame.
@@ -29,6 +40,8 @@ struct VirtualLightShare {
   int asked = 0;
   /// Over the same lights, one class: points ask a light of every node of their cut; or none.
   const lights::LightTree* tree = nullptr;
+  VirtualShadows shadows = VirtualShadows::Traced;
+  NearLight near_light = NearLight::Lost;
 
   bool any() const { return lights != nullptr && !lights->empty(); }
 };
@@ -40,9 +53,10 @@ struct Config {
   /// Shadow rays per primary ray: to emissive triangles, or to all lights by cut; >= 1.
   int area_light_samples = 8;
   int ambient_samples = 4;      ///< occlusion rays per primary ray; 0: no ambient term
-  int environment_samples = 4;  ///< shadow rays to the environment per primary ray, >= 1
+  int environment_samples = 4;  ///< shadow rays to it per primary ray; 0: no environment
   shading::MaterialModel materials = shading::MaterialModel::AsInScene;
   LightChoice lights = LightChoice::Every;
+  Footprints footprints = Footprints::Filtered;
   VirtualLightShare virtual_lights;
   FoveatedConfig foveated;  ///< mode Fast only
 };
@@ -59,6 +73,7 @@ inline Config make_config(const KernelOptions& options) {
       options.environment_samples,
       options.lambert_only ? shading::MaterialModel::Lambert : shading::MaterialModel::AsInScene,
       LightChoice::Every,
+      Footprints::Filtered,
       {},
       foveated};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "server/kernels/ray/bounce.h"
 #include "server/kernels/ray/virtual_draws.h"
 #include "server/lights/cut_sampler.h"
 #include "server/sampling/mappings.h"
@@ -20,6 +21,7 @@ constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
 constexpr std::uint32_t kAmbientDimension = 0x8000'0001U;
 constexpr std::uint32_t kEnvironmentDimension = 0x8000'0002U;
 constexpr std::uint32_t kStrategyDimension = 0x8000'0003U;
+constexpr std::uint32_t kNearDimension = 0x8000'0006U, kNearLobeDimension = 0x8000'0007U;
 /// Of shadow rays that meet blended surfaces; one a term, with the number of the ray in the term.
 enum class Term : std::uint32_t { Punctual = 0x8000'0011U, Area, Ambient, Environment, Virtual };
 
@@ -53,12 +55,15 @@ class Pass {
   }
 
  private:
+  void add_lamps();
   void add_punctual(const scene::Light& light, std::size_t index);
   void add_area();
   void add_cut();
   void add_ambient();
   void add_environment();
   void add_virtual();
+  void add_near_light();
+  void let_through();
   void resolve_virtual(const VirtualDraws& draws, bool alike);
   void aim_at_environment(const sampling::Vec2Batch& strategy);
   void scramble(std::uint32_t dimension);
@@ -95,7 +100,13 @@ class Pass {
 
 /// Only what the plan holds; a light list without the step is empty.
 void Pass::run() {
-  if (config_.lights == LightChoice::None) return;
+  if (config_.lights != LightChoice::None) add_lamps();
+  if (config_.virtual_lights.any()) add_virtual();
+  if (config_.virtual_lights.any() && config_.virtual_lights.near_light == NearLight::Bounced)
+    add_near_light();
+}
+
+void Pass::add_lamps() {
   const bool by_cut = config_.lights == LightChoice::ByCut;
   const auto lights = by_cut ? scene_.placed_lights().apart() : scene_.lights().punctual();
   for (std::size_t k = 0; k < lights.size(); ++k) add_punctual(lights[k], k);
@@ -103,8 +114,8 @@ void Pass::run() {
   if (by_cut && scene_.placed_lights().size() > 0) add_cut();
   if (!by_cut && !scene_.lights().emissive().empty()) add_area();
   if (config_.ambient_samples > 0 && scene_.plan().has(scene::Step::Ambient)) add_ambient();
-  if (scene_.plan().has(scene::Step::Environment)) add_environment();
-  if (config_.virtual_lights.any()) add_virtual();
+  if (config_.environment_samples > 0 && scene_.plan().has(scene::Step::Environment))
+    add_environment();
 }
 
 void Pass::add_punctual(const scene::Light& light, std::size_t index) {
@@ -239,6 +250,7 @@ void Pass::add_virtual() {
 }
 
 void Pass::resolve_virtual(const VirtualDraws& draws, bool alike) {
+  if (config_.virtual_lights.shadows == VirtualShadows::None) return let_through();
   if (!alike) return resolve(Coherence::Incoherent);
   rays_.clear();
   for (std::size_t k = 0; k < kept_; ++k)
@@ -315,6 +327,41 @@ void Pass::resolve(Coherence coherence) {
   for (std::size_t i = 0; i < n_; ++i)
     for (std::size_t k = 0; k < kept_; ++k) ask(k, i, coherence);
   trace_stream(coherence);
+  sum_up();
+}
+
+/// Capping distances at l takes the share 1 - d^2 / l^2 from light of d < l. All that arrives from
+/// there is met by rays of length l, drawn as the surface reflects.
+void Pass::add_near_light() {
+  const float least_m = config_.virtual_lights.lights->least_m();
+  if (!(least_m > 0.0F)) return;
+  std::array<Rgb, sampling::kBatch> weight{}, back;
+  std::array<sampling::SampleKey, sampling::kBatch> keys;
+  scramble(kNearDimension);
+  draw(0, 1);
+  const sampling::Vec2Batch u = u_;
+  scramble(kNearLobeDimension);
+  draw(0, 1);
+  rays_.clear();
+  for (std::size_t i = 0; i < n_; ++i) {
+    const auto scattered = points_.whole[i].sample({u_.x[i], u.x[i], u.y[i]});
+    if (scattered) weight[i] = scattered->weight;
+    rays_.push(points_.ray_origin[i], scattered ? scattered->to_light : Vec3{0, 0, 1}, 0.0F,
+               scattered ? least_m : -1.0F);
+    keys[i].value = math::hash_combine(points_.keys[i].value, kNearDimension);
+  }
+  visibility::HitStream hits;
+  bounce(rays_, {keys.data(), n_}, scene_, config_, hits, {back.data(), n_}, work_);
+  for (std::size_t i = 0; i < n_; ++i) {
+    if (!hits.hit(static_cast<int>(i))) continue;
+    const float near = hits.t[i] / least_m;
+    sum_.set(i, sum_[i] + std::max(1.0F - near * near, 0.0F) * weight[i] * back[i]);
+  }
+}
+
+/// Nothing hides anything.
+void Pass::let_through() {
+  for (std::size_t k = 0; k < kept_; ++k) std::fill_n(rounds_[k].arrives, n_, true);
   sum_up();
 }
 

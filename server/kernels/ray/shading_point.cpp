@@ -30,7 +30,8 @@ ShadedPoint shade_point(const ShadingRequest& request, const SceneFrame& scene,
 void shade_batch(std::span<const SurfacePoint> points, const SceneFrame& scene,
                  const Config& config, const Lighting& lighting, std::span<Rgb> out) {
   LitPoints lit{};
-  lit.keeps_whole = scene.plan().has(scene::Step::Environment);
+  lit.keeps_whole = scene.plan().has(scene::Step::Environment) ||
+                    config.virtual_lights.near_light == NearLight::Bounced;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& point = points[i];
     ShadingRequest request;

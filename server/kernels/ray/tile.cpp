@@ -35,12 +35,12 @@ class TileRun {
   TileRun(const ViewContext& context, const image::Rect& tile, ViewBuffers& out)
       : context_(context), out_(out) {
     list_cells(tile);
-    points_.keeps_whole = context.scene.plan().has(scene::Step::Environment);
+    points_.keeps_whole = keeps_whole();
   }
   TileRun(const ViewContext& context, std::span<const image::Pixel> cells, ViewBuffers& out)
       : context_(context), out_(out) {
     for (const image::Pixel& cell : cells) add_cell(cell.x, cell.y);
-    points_.keeps_whole = context.scene.plan().has(scene::Step::Environment);
+    points_.keeps_whole = keeps_whole();
   }
 
   FrameReport run() {
@@ -58,6 +58,10 @@ class TileRun {
   }
 
  private:
+  bool keeps_whole() const {
+    return context_.scene.plan().has(scene::Step::Environment) ||
+           context_.config.virtual_lights.near_light == NearLight::Bounced;
+  }
   /// 4x4 blocks, so that every packet of 16 (or 8) rays is a small square of neighbours.
   void list_cells(const image::Rect& tile) {
     for (int by = 0; by < tile.height; by += 4) {
@@ -161,6 +165,7 @@ class TileRun {
 
   /// Classes side by side; from frame to frame and sample to sample all alike by chance.
   std::uint16_t light_class(const Cell& cell) const {
+    if (context_.light_class != nullptr) return (*context_.light_class)(cell.x, cell.y);
     const int classes = context_.config.virtual_lights.lights->classes();
     const int side = static_cast<int>(std::lround(std::sqrt(classes)));
     const sampling::SampleKey frame(context_.seed, context_.frame, kClassesKey);
@@ -169,14 +174,17 @@ class TileRun {
     return static_cast<std::uint16_t>((place + turn) % static_cast<std::uint32_t>(classes));
   }
 
+  bool filters_textures() const {
+    return context_.config.mode == Mode::Fast && context_.config.footprints == Footprints::Filtered;
+  }
   float uv_per_meter(std::size_t i) const {
-    if (context_.config.mode == Mode::Exact) return 0.0F;
+    if (!filters_textures()) return 0.0F;
     return context_.scene.uv_per_meter(hits_.instance[i], hits_.triangle[i]);
   }
   /// Side of the square a sample stands for, across its ray: a tangent area A at depth z covers the
   /// solid angle A cos^3 and, at distance z / cos, the area A z^2 cos.
   float footprint_m(std::size_t i) const {
-    if (context_.config.mode == Mode::Exact) return 0.0F;
+    if (!filters_textures()) return 0.0F;
     const Vec2 cell = context_.view.grid.footprint(cells_[i].x, cells_[i].y);
     const float cosine = 1.0F / glm::length(rays_.direction(static_cast<int>(i)));
     const float samples = static_cast<float>(context_.pattern.samples());

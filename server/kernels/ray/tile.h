@@ -26,6 +26,8 @@ struct ViewContext {
   Vec3 eye{0.0F};
   /// Most nodes of the cuts in each cell, >= 1 and at most Config::area_light_samples; none: that.
   const image::Plane<std::uint16_t>* cut_nodes = nullptr;
+  /// Class of virtual lights that each cell asks; none: side by side, changing with the frame.
+  const image::Plane<std::uint16_t>* light_class = nullptr;
 
   ViewContext(const View& view, const SceneFrame& scene, const Config& config,
               const FrameRequest& request, unsigned wanted);
