@@ -53,7 +53,8 @@ constexpr std::array kMethods{
     CullingMethod{"flc_rays", "contributions by rays, light asked in every pixel", [](Config&) {}},
     CullingMethod{"flc_some", "flc_rays, 8 rays a pixel, drawn by what lights would bring",
                   [](Config& c) { c.asked = 8; }},
-    CullingMethod{"flc_fast", "flc_some in every second pixel each way, 4 classes",
+    CullingMethod{"flc_fast",
+                  "the kernel's own: flc_some in every second pixel each way, 4 classes",
                   [](Config& c) {
                     c.asked = 8;
                     c.classes = 4;
@@ -104,6 +105,7 @@ Config culling_config(const CullingMethod& method, int kept) {
   options.lambert_only = true;
   Config config = kernels::culling::make_config(options);
   config.ray.footprints = kernels::ray::Footprints::Points;  // as the reference's
+  config.classes = 16, config.asked = 0, config.space = Space::Cells;
   config.kept = kept;
   config.importance.acuity.inner = CullingSetting::fovea();
   method.set(config);

@@ -450,7 +450,7 @@ TEST_F(Program, CullingKeepsLightWithFewerRaysThanAllLightsTakeAndGoesOnWhereItE
                                           "--motions",
                                           "both",
                                           "--methods",
-                                          "all_vpls,flc,power",
+                                          "all_vpls,flc_rays,flc_no_logpolar",
                                           "--side",
                                           "64",
                                           "--kept",

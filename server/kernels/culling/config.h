@@ -70,15 +70,15 @@ struct Config {
   float by_flux = 0.1F;
   ImportanceConfig importance;
   int guide_step = 4;  ///< importance is told for every n x n-th cell; >= 1
-  Space space = Space::Cells;
+  Space space = Space::Thinned;
   int texel_step = 2;   ///< >= 1
   double shrink = 1.8;  ///< sigma, >= 1
   ray::VirtualShadows shadows = ray::VirtualShadows::Traced;
   /// Cells ask a class of the kept lights each; a square number >= 1.
-  int classes = 16;
+  int classes = 4;
   /// Shadow rays of a cell, to so many lights of its class, drawn by what they would bring; 0: to
   /// all.
-  int asked = 0;
+  int asked = 8;
   /// Distances to virtual lights count as at least this share of half the extent of them all;
   /// nearer they would leave bright blots.
   float nearest = 0.02F;

@@ -58,6 +58,11 @@ TexelMap texels_of(const View& view, const Config& config) {
                                          : TexelMap::thinned(view.grid, config.texel_step);
 }
 
+bool lights_in_cells(const Config& config) {
+  return config.ray.mode == Mode::Exact || config.space == Space::Cells ||
+         config.route == Route::Cuts;
+}
+
 /// What comes after a frame's cells have been lit, mode Fast.
 class Calming {
  public:
@@ -91,7 +96,7 @@ class Calming {
     Plane<Rgb> light = config_.blur_reach > 0
                            ? shared_light(view, buffers, config_.blur_reach, scheduler_)
                            : buffers.light;
-    if (config_.space != Space::Cells && setup_.lit().virtual_lights.any()) {
+    if (!lights_in_cells(config_) && setup_.lit().virtual_lights.any()) {
       report += add_texel_light(request_, v, texels_of(view, config_), scene_, setup_.lit(),
                                 config_.blur_reach, buffers, scheduler_, light);
     }
@@ -146,7 +151,7 @@ FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame&
   CullingHistory& memory = exact ? forgotten : record_of<CullingHistory>(history);
   const KeptLights kept = keep_lights(request, scene, config_, memory, scheduler);
   const LightSetup setup(config_, kept);
-  const bool in_cells = exact || config_.space == Space::Cells;
+  const bool in_cells = lights_in_cells(config_);
   const unsigned wanted =
       std::exchange(out.wanted, exact ? out.wanted : out.wanted | kLight | kNormal);
   prepare_buffers(request.views, out);

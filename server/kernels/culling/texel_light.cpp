@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "server/kernels/culling/same_surface.h"
@@ -26,6 +27,11 @@ Asked cells_asked(const TexelMap& map, const PixelGrid& grid, int classes,
                        static_cast<std::uint32_t>(classes));
   const int side = static_cast<int>(std::lround(std::sqrt(classes)));
   Asked asked{{}, Plane<std::uint16_t>(grid.width(), grid.height())};
+  const auto class_at = [&](int u, int v) {
+    return static_cast<std::uint16_t>((u % side + side * (v % side) + turn) % classes);
+  };
+  for (int y = 0; y < grid.height(); ++y)
+    for (int x = 0; x < grid.width(); ++x) asked.light_class(x, y) = class_at(x, y);
   Plane<std::uint8_t> known(grid.width(), grid.height(), 0);
   constexpr int kTile = ray::kTileSide;
   for (int top = 0; top < map.height(); top += kTile) {
@@ -33,10 +39,10 @@ Asked cells_asked(const TexelMap& map, const PixelGrid& grid, int classes,
       for (int v = top; v < std::min(top + kTile, map.height()); ++v) {
         for (int u = left; u < std::min(left + kTile, map.width()); ++u) {
           const Pixel cell = map.cell(u, v);
-          if (known(cell.x, cell.y)++ != 0) continue;
+          if (known(cell.x, cell.y) != 0) continue;
+          known(cell.x, cell.y) = 1;
           asked.cells.push_back(cell);
-          asked.light_class(cell.x, cell.y) =
-              static_cast<std::uint16_t>((u % side + side * (v % side) + turn) % classes);
+          asked.light_class(cell.x, cell.y) = class_at(u, v);
         }
       }
     }
@@ -88,7 +94,8 @@ class TexelMix {
   TexelMix(const TexelMap& map, const SameSurface& same, const Plane<Rgb>& texels)
       : map_(map), same_(same), texels_(texels) {}
 
-  Rgb at(int x, int y) const {
+  /// nullopt: no texel around the cell lies on its surface.
+  std::optional<Rgb> at(int x, int y) const {
     const Vec2 place = map_.place(x, y) - 0.5F;
     const Vec2 corner = glm::floor(place), t = place - corner;
     const int left = static_cast<int>(corner.x), top = static_cast<int>(corner.y);
@@ -102,10 +109,7 @@ class TexelMix {
       sum += weight * texels_(texel.x, texel.y);
       weights += weight;
     }
-    if (weights > 0.0F) return sum / weights;
-    const Pixel nearest =
-        held(static_cast<int>(std::lround(place.x)), static_cast<int>(std::lround(place.y)));
-    return texels_(nearest.x, nearest.y);
+    return weights > 0.0F ? std::optional(sum / weights) : std::nullopt;
   }
 
  private:
@@ -149,7 +153,7 @@ FrameReport add_texel_light(const FrameRequest& request, std::size_t view, const
       cells_asked(map, shown.grid, config.virtual_lights.lights->classes(), request);
   ray::ViewContext context(shown, scene, virtual_only, request, out.wanted);
   context.light_class = &asked.light_class;
-  const FrameReport report = render_asked(context, asked.cells, scheduler, out.views.front());
+  FrameReport report = render_asked(context, asked.cells, scheduler, out.views.front());
   if (report.stopped) return report;
   const SameSurface same(shown, surfaces);
   Plane<Rgb> texels(map.width(), map.height());
@@ -159,11 +163,20 @@ FrameReport add_texel_light(const FrameRequest& request, std::size_t view, const
     for (int u = 0; u < map.width(); ++u) texels(u, v) = sharing.at(u, v);
   });
   const TexelMix mix(map, same, texels);
-  scheduler.run(static_cast<std::size_t>(light.height()), [&](std::size_t row) {
+  std::vector<std::vector<Pixel>> alone(static_cast<std::size_t>(light.height()));
+  scheduler.run(alone.size(), [&](std::size_t row) {
     const int y = static_cast<int>(row);
-    for (int x = 0; x < light.width(); ++x)
-      if (std::isfinite(surfaces.depth_m(x, y))) light(x, y) += mix.at(x, y);
+    for (int x = 0; x < light.width(); ++x) {
+      if (!std::isfinite(surfaces.depth_m(x, y))) continue;
+      const auto mixed = mix.at(x, y);
+      if (mixed) light(x, y) += *mixed;
+      if (!mixed) alone[row].push_back({x, y});
+    }
   });
+  std::vector<Pixel> cells;
+  for (const auto& row : alone) cells.insert(cells.end(), row.begin(), row.end());
+  report += render_asked(context, cells, scheduler, out.views.front());
+  for (const Pixel& cell : cells) light(cell.x, cell.y) += out.views.front().light(cell.x, cell.y);
   return report;
 }
 

@@ -9,7 +9,8 @@ namespace macula::kernels::culling {
 
 /// Adds to `light` what the virtual lights of `config` bring at each cell of a view, per unit of
 /// reflectance. Texels take the classes of lights side by side and share with those within `reach`
-/// that lie on one surface; cells mix the four texels around them that do, else take the nearest.
+/// that lie on one surface; cells mix the four texels around them that do. Cells without any are
+/// asked themselves.
 /// `surfaces`: the view's depth and normals, of the same frame.
 FrameReport add_texel_light(const FrameRequest& request, std::size_t view, const TexelMap& map,
                             const SceneFrame& scene, const ray::Config& config, int reach,

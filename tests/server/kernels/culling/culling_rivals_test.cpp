@@ -34,6 +34,7 @@ Config config_of(Mode mode) {
   options.lambert_only = true;
   Config config = make_config(options);
   config.kept = 256;
+  config.classes = 16, config.asked = 0, config.space = Space::Cells;
   return config;
 }
 
