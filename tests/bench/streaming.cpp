@@ -347,6 +347,13 @@ double encode_cpu_ms(const session::Telemetry& telemetry) {
   return series.quantile(0.5);
 }
 
+/// Of frames when they are first shown; later refreshes of a slow renderer show them again, older.
+double fresh_age_p95_ms(const Viewed& viewed) {
+  frames::Series ages;
+  for (const auto& account : viewed.accounts) ages.add(units::to_ms(account.times.total));
+  return ages.quantile(0.95);
+}
+
 struct Run {
   Viewed viewed;
   session::Telemetry telemetry;
@@ -390,6 +397,8 @@ Fields row_of(const StreamingOptions& options, const StreamingLink& link, const 
           {"slow_age_p95_ms", slow_age_p95_ms(v, link, script)},
           {"stall_max_ms", longest_stall_ms(v)},
           {"cells_pct", 100.0 * v.cells.mean() / nominal},
+          {"fresh_age_p95_ms", fresh_age_p95_ms(v)},
+          {"render_p95_ms", v.render_ms.quantile(0.95)},
           {"render_p50_ms", v.render_ms.quantile(0.5)},
           {"credit_wait_p50_ms", v.credit_wait_ms.quantile(0.5)}};
 }
