@@ -1,5 +1,7 @@
 #include "shared/net/server_loop.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -24,22 +26,20 @@ constexpr seconds kLookForRevokedEvery{1};
 /// One round takes at most this many messages before frames get their turn.
 constexpr int kMessagesARound = 256;
 constexpr int kGoodbye_ms = 100;
+constexpr std::size_t kMostDeadConnections = 16;
 
 SteadyTime steady_now() {
   return std::chrono::steady_clock::now();
 }
 
-constexpr int kWatchedEvents =
-    ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+constexpr int kWatchedEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
+                               ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+                               ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
 
 }  // namespace
 
 ServerLoop::ServerLoop(const ServerEndpointOptions& options, const base::Clock& clock)
-    : options_(options),
-      clock_(clock),
-      zap_(context_, options.key_folder, options.zap_domain),
-      router_(context_, SocketKind::Router),
-      monitor_(context_, router_, kWatchedEvents) {}
+    : options_(options), clock_(clock), zap_(context_, options.key_folder, options.zap_domain) {}
 
 Result<std::unique_ptr<ServerLoop>> ServerLoop::create(const ServerEndpointOptions& options,
                                                        const base::Clock& clock) {
@@ -53,19 +53,41 @@ Result<std::unique_ptr<ServerLoop>> ServerLoop::create(const ServerEndpointOptio
 /// The ZAP handler runs before the socket binds: without one, CURVE lets every key in.
 Result<void> ServerLoop::open(const KeyPair& keys) {
   if (auto started = zap_.start(); !started) return started;
-  set_common_options(router_, options_.limits);
-  router_.set(ZMQ_ROUTER_MANDATORY, 1);
-  router_.set(ZMQ_CURVE_SERVER, 1);
-  router_.set(ZMQ_CURVE_SECRETKEY, keys.secret_z85);
-  router_.set(ZMQ_ZAP_DOMAIN, options_.zap_domain);
   auto listener = listen_on(options_.bind);
   if (!listener) return forward(listener);
-  router_.set(ZMQ_USE_FD, listener->fd.value());
-  if (auto bound = router_.bind(listener->endpoint); !bound) return bound;
-  listener->fd.release();  // libzmq closes it with the socket
-  endpoint_ = listener->endpoint;
+  listener_ = std::move(*listener);
+  keys_ = keys;
+  endpoint_ = listener_.endpoint;
   public_key_ = keys.public_z85;
+  return make_socket();
+}
+
+Result<void> ServerLoop::make_socket() {
+  monitor_.reset();
+  router_ = std::make_unique<Socket>(context_, SocketKind::Router);
+  monitor_ = std::make_unique<Monitor>(context_, *router_, kWatchedEvents);
+  set_common_options(*router_, options_.limits);
+  router_->set(ZMQ_ROUTER_MANDATORY, 1);
+  router_->set(ZMQ_CURVE_SERVER, 1);
+  router_->set(ZMQ_CURVE_SECRETKEY, keys_.secret_z85);
+  router_->set(ZMQ_ZAP_DOMAIN, options_.zap_domain);
+  Fd listening(::fcntl(listener_.fd.value(), F_DUPFD_CLOEXEC, 0));
+  if (!listening.valid()) return base::runtime_error("no descriptor is left", endpoint_);
+  router_->set(ZMQ_USE_FD, listening.value());
+  if (auto bound = router_->bind(endpoint_); !bound) return bound;
+  listening.release();  // libzmq closes it with the socket
   return {};
+}
+
+void ServerLoop::shed_dead_connections() {
+  if (connections_.dead(peers_.size(), steady_now()) < kMostDeadConnections) return;
+  base::log_warning(
+      base::concat("closing ", connections_.open(),
+                   " connections, most of them dead; clients come back by themselves"));
+  for (auto& [routing_id, peer] : peers_) peer.is_gone = true;
+  forget_the_gone();
+  connections_.forget_all();
+  if (auto made = make_socket(); !made) base::log_error(made.error().message());
 }
 
 void ServerLoop::run() {
@@ -73,12 +95,13 @@ void ServerLoop::run() {
     round();
     if (!stopping_) sleep();
   }
-  router_.set(ZMQ_LINGER, kGoodbye_ms);  // a Bye just sent may still leave
+  router_->set(ZMQ_LINGER, kGoodbye_ms);  // a Bye just sent may still leave
 }
 
 void ServerLoop::round() {
   wakeup_.drain();
   read_monitor();
+  shed_dead_connections();
   zap_.serve();
   if (zap_.admitted() != handshakes_) read_admitted();  // before the newcomer's first message
   receive_all();
@@ -95,10 +118,10 @@ void ServerLoop::sleep() {
     if (peer.frames.is_blocked()) flush(peer);
   }
   // libzmq's descriptors are edge-triggered: what is here already would not wake the poll again.
-  if (monitor_.has_input() || zap_.has_input() || router_.has_input()) return;
+  if (monitor_->has_input() || zap_.has_input() || router_->has_input()) return;
   timer_.arm(next_deadline());
   sleep_until_readable(
-      std::array{wakeup_.fd(), timer_.fd(), monitor_.fd(), zap_.fd(), router_.fd()});
+      std::array{wakeup_.fd(), timer_.fd(), monitor_->fd(), zap_.fd(), router_->fd()});
 }
 
 SteadyTime ServerLoop::next_deadline() const {
@@ -115,13 +138,18 @@ SteadyTime ServerLoop::next_deadline() const {
 }
 
 void ServerLoop::read_monitor() {
-  while (monitor_.next()) ++failed_handshakes_;
+  while (const auto event = monitor_->next()) {
+    connections_.on(*event, steady_now());
+    const bool failed = event->event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL ||
+                        event->event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+    if (failed) ++failed_handshakes_;
+  }
 }
 
 void ServerLoop::receive_all() {
   for (int i = 0; i < kMessagesARound; ++i) {
     Incoming message;
-    if (!router_.receive(message)) return;
+    if (!router_->receive(message)) return;
     on_message(message, now());
   }
 }
@@ -153,14 +181,14 @@ void ServerLoop::flush(Peer& peer) {
     if (auto* const pong = std::get_if<Pong>(&message)) pong->pong_sent = now();
     if (auto* const beat = std::get_if<Beat>(&message)) beat->sent = now();
     const std::string envelope = encode_envelope(message);
-    const SendOutcome outcome = router_.send_to(peer.routing_id, {envelope, nullptr, 0, 0});
+    const SendOutcome outcome = router_->send_to(peer.routing_id, {envelope, nullptr, 0, 0});
     if (outcome == SendOutcome::Full) return;
     if (outcome == SendOutcome::Unreachable) peer.is_gone = true;
     peer.control.pop_front();
   }
   std::vector<FrameSent> ended;
   const auto sink = [&](const Outgoing& out) {
-    const SendOutcome outcome = router_.send_to(peer.routing_id, out);
+    const SendOutcome outcome = router_->send_to(peer.routing_id, out);
     if (outcome == SendOutcome::Unreachable) peer.is_gone = true;
     return outcome;
   };

@@ -15,6 +15,7 @@
 #include "shared/net/frame_sender.h"
 #include "shared/net/keys.h"
 #include "shared/net/listener.h"
+#include "shared/net/open_connections.h"
 #include "shared/net/server_events.h"
 #include "shared/net/zap.h"
 #include "shared/net/zmq_socket.h"
@@ -66,6 +67,10 @@ class ServerLoop {
 
   ServerLoop(const ServerEndpointOptions& options, const base::Clock& clock);
   Result<void> open(const KeyPair& keys);
+  Result<void> make_socket();
+  /// Dead connections cost a descriptor each: with many of them all are closed. Sessions are
+  /// resumed.
+  void shed_dead_connections();
 
   void round();
   void sleep();
@@ -112,11 +117,14 @@ class ServerLoop {
   DeadlineTimer timer_;
   Context context_;
   ZapHandler zap_;
-  Socket router_;
-  Monitor monitor_;
+  Listener listener_;  ///< kept, so that a new socket takes over its port and who waits there
+  KeyPair keys_;
+  std::unique_ptr<Socket> router_;
+  std::unique_ptr<Monitor> monitor_;
+  OpenConnections connections_;
 
   std::unordered_map<std::string, Peer> peers_;  ///< by routing id
-  std::vector<std::string> admitted_;  ///< keys allowed when last looked
+  std::vector<std::string> admitted_;            ///< keys allowed when last looked
   SteadyTime admitted_read_{};
   std::uint64_t handshakes_ = 0;  ///< successful ones, when last looked
   std::uint64_t last_peer_ = 0, beats_ = 0;
