@@ -1,6 +1,11 @@
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <vector>
 
+#include "shared/base/text.h"
 #include "shared/net/wire.h"
 #include "shared/net/zap.h"
 #include "shared/net/zmq_socket.h"
@@ -229,6 +234,45 @@ TEST(Admission, NonsenseFromAnAllowedClientIsRefusedAndCounted) {
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->code, RefusalCode::BadRequest);
   EXPECT_TRUE(eventually([&] { return server.endpoint().counters().malformed == 1; }));
+}
+
+/// Strangers with a key each, from all over 127.0.0.0/8, who know the server's key and say Hello.
+/// MACULA_STRANGERS: how many (default 1000; 100000 is the long run).
+TEST(Admission, StrangersFromEverywhereGetNothing) {
+  const char* const asked = ::getenv("MACULA_STRANGERS");
+  const int strangers = asked == nullptr ? 1000 : std::stoi(asked);
+  constexpr int kAtOnce = 50;
+  TemporaryFolder keys;
+  PlainServer server(keys.path());
+  const std::string endpoint = server.endpoint().endpoint().substr(6);  // after "tcp://"
+  const std::string hello = encode_envelope(client_options("", "").hello);
+  const Context context;
+  std::uint64_t answers = 0;
+  for (int done = 0; done < strangers; done += kAtOnce) {
+    std::vector<std::unique_ptr<Socket>> sockets;
+    for (int i = done; i < std::min(done + kAtOnce, strangers); ++i) {
+      auto& socket = *sockets.emplace_back(std::make_unique<Socket>(context, SocketKind::Dealer));
+      const KeyPair pair = make_key_pair();
+      set_common_options(socket, Limits{});
+      socket.set(ZMQ_IMMEDIATE, 0);
+      socket.set(ZMQ_CURVE_SERVERKEY, server.endpoint().public_key_z85());
+      socket.set(ZMQ_CURVE_PUBLICKEY, pair.public_z85);
+      socket.set(ZMQ_CURVE_SECRETKEY, pair.secret_z85);
+      const std::string source =
+          base::concat("127.", 1 + i / 65025 % 255, ".", i / 255 % 255, ".", 1 + i % 255);
+      ASSERT_TRUE(socket.connect("tcp://" + source + ":0;" + endpoint));
+      socket.send({hello, nullptr, 0, 0});
+    }
+    const auto refused = static_cast<std::uint64_t>(done) + sockets.size();
+    EXPECT_TRUE(
+        eventually([&] { return server.endpoint().counters().refused_handshakes >= refused; }));
+    Incoming answer;
+    for (const auto& socket : sockets) answers += socket->receive(answer) ? 1 : 0;
+  }
+  EXPECT_EQ(answers, 0U);
+  EXPECT_FALSE(server.endpoint().wait(std::chrono::milliseconds{200}))
+      << "an event from a stranger";
+  EXPECT_EQ(server.endpoint().counters().views, 0U);
 }
 
 }  // namespace
