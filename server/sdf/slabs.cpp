@@ -192,6 +192,10 @@ void Slabs::prune(Slab& slab, const std::vector<Instruction>& from, Registers& r
   const Ball ball = ball_of(slab.low, slab.high);
   if (tree_) slab.code = tree_->code_in(ball, query_);
   const std::vector<Instruction>& code = tree_ ? slab.code : from;
+  if (code.size() > kMostRecorded) {  // nothing can be said of so many
+    slab.code = std::vector<Instruction>(code);
+    return;
+  }
   PointBatch centre{};
   centre.set(0, ball.centre);
   const Tape recording = make_recording_tape(code, program_->constants);

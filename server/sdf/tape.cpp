@@ -105,7 +105,7 @@ Tape make_tape(std::span<const Instruction> code, const std::vector<float>& cons
 }
 
 Tape make_recording_tape(std::span<const Instruction> code, const std::vector<float>& constants) {
-  MACULA_CHECK(code.size() >= 2 && code.size() <= 65535, "registers are counted in 16 bits");
+  MACULA_CHECK(code.size() >= 2 && code.size() <= kMostRecorded, "registers are counted in 16 bits");
   Tape tape;
   const auto count = static_cast<std::uint16_t>(code.size());
   for (std::uint16_t i = 1; i < count; ++i) {

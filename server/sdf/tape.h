@@ -39,8 +39,10 @@ inline Tape make_tape(const Program& program) {
   return make_tape(program.code, program.constants);
 }
 Tape make_tape(Program&& program) = delete;  ///< its constants would be gone
+/// Registers are counted in 16 bits.
+inline constexpr std::size_t kMostRecorded = 65535;
 /// The same with a register for each instruction (register = index), so that every value can be
-/// read afterwards. At most 65535 instructions.
+/// read afterwards. At most kMostRecorded instructions.
 Tape make_recording_tape(std::span<const Instruction> code, const std::vector<float>& constants);
 
 /// What a recording tape's instructions are at one point: `distances[index * stride]` and

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/sdf/evaluate.h"
+#include "shared/base/text.h"
 #include "tests/server/sdf/random_points.h"
 #include "tests/server/sdf/tracing.h"
 
@@ -67,6 +68,26 @@ TEST(Pruning, SparesAThousandPrimitivesToMostRays) {
   options.method = Method::Full;
   const Traced full = trace_picture(program, pose, grid, options);
   EXPECT_LT(cones.counts.operations, full.counts.operations / 2);
+}
+
+/// A file may hold 65536 nodes; a field of 33000 spheres ended the program, which counts what it
+/// records in 16 bits. It is traced whole.
+TEST(Pruning, LeavesWhatIsTooLongToRecord) {
+  std::string nodes;
+  for (int i = 0; i < 33000; ++i)
+    nodes += base::concat(i > 0 ? "," : "", R"({"type": "sphere", "radius": 0.4, "at": [)",
+                          i % 200 - 100, ",", i / 200 - 80, ", -50]}");
+  const Program program =
+      compile(scene_of(base::concat(R"({"type": "union", "smooth": 0.01, "of": [)", nodes, "]}")),
+              0.0, DVec3{0.0});
+  ASSERT_GT(program.code.size(), kMostRecorded);
+  const PixelGrid grid = ordinary_grid(3, 3);
+  const Traced cones = trace_picture(program, Pose{}, grid, {});
+  TraceOptions options;
+  options.method = Method::Full;
+  const Traced full = trace_picture(program, Pose{}, grid, options);
+  for (std::size_t i = 0; i < full.hits.size(); ++i)
+    EXPECT_EQ(cones.hits[i].status, full.hits[i].status);
 }
 
 TEST(Pruning, IsCarefulAtTheWallsOfRepeatedCells) {
