@@ -53,61 +53,70 @@ done < <(grep -rnE '#include <(spdlog/|CLI/|toml\.hpp|nlohmann/|(oneapi/)?tbb/|o
 
 # Rooms that each room may include besides itself. Order: base <- units <- math <- {foveation, image}
 # <- {codec, metrics} <- net; a kernel sees neither net nor session nor app.
-allowed() {
+may_include() {  # sets `may`; processes cost more than all the rest
   local low="shared/base shared/units shared/math"
   local pictures="$low shared/foveation shared/image"
   case $1 in
-    shared/base) echo "" ;;
-    shared/units) echo "shared/base" ;;
-    shared/math) echo "shared/base shared/units" ;;
-    shared/foveation | shared/image) echo "$low" ;;
-    shared/pairing) echo "shared/base shared/units" ;;
-    shared/codec | shared/metrics) echo "$pictures" ;;
-    shared/net) echo "$pictures shared/pairing" ;;
-    server/sdf) echo "$pictures" ;;
-    server/scheduling | server/sampling) echo "$low shared/image" ;;
-    server/exr) echo "$low shared/image" ;;
-    server/scene) echo "$pictures shared/codec server/exr server/sdf" ;;
-    server/visibility) echo "$pictures server/scene server/sampling" ;;
-    server/shading) echo "$pictures server/scene server/sampling server/visibility" ;;
-    server/lights) echo "$pictures server/scene server/sampling server/shading" ;;
-    server/filters | server/reconstruction) echo "$pictures" ;;
+    shared/base) may="" ;;
+    shared/units) may="shared/base" ;;
+    shared/math) may="shared/base shared/units" ;;
+    shared/foveation | shared/image) may="$low" ;;
+    shared/pairing) may="shared/base shared/units" ;;
+    shared/codec | shared/metrics) may="$pictures" ;;
+    shared/net) may="$pictures shared/pairing" ;;
+    server/sdf) may="$pictures" ;;
+    server/scheduling | server/sampling) may="$low shared/image" ;;
+    server/exr) may="$low shared/image" ;;
+    server/scene) may="$pictures shared/codec server/exr server/sdf" ;;
+    server/visibility) may="$pictures server/scene server/sampling" ;;
+    server/shading) may="$pictures server/scene server/sampling server/visibility" ;;
+    server/lights) may="$pictures server/scene server/sampling server/shading" ;;
+    server/filters | server/reconstruction) may="$pictures" ;;
     server/kernels | server/kernels/*)
-      echo "$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/filters server/reconstruction server/sdf" ;;
-    server/session) echo "shared server/scene server/scheduling server/kernels" ;;
-    server/app) echo "shared server" ;;
-    client/pose | client/reprojection) echo "$pictures" ;;
-    client/frames) echo "$pictures shared/codec shared/net" ;;
-    client/display/gl) echo "$pictures" ;;
-    client/display/*) echo "client/display/gl $pictures shared/net client/pose client/frames client/reprojection" ;;
-    client/app) echo "shared client" ;;
-    *) echo "?" ;;
+      may="$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/filters server/reconstruction server/sdf" ;;
+    server/session) may="shared server/scene server/scheduling server/kernels" ;;
+    server/app) may="shared server" ;;
+    client/pose | client/reprojection) may="$pictures" ;;
+    client/frames) may="$pictures shared/codec shared/net" ;;
+    client/display/gl) may="$pictures" ;;
+    client/display/*) may="client/display/gl $pictures shared/net client/pose client/frames client/reprojection" ;;
+    client/app) may="shared client" ;;
+    *) may="?" ;;
   esac
 }
-room_of() {  # shared/image/png.cpp -> shared/image
+find_room() {  # shared/image/png.cpp -> shared/image, in `room`
+  local parts
+  IFS=/ read -ra parts <<<"$1"
   case $1 in
-    server/kernels/*/* | client/display/*/*) cut -d/ -f1-3 <<<"$1" ;;
-    *) cut -d/ -f1-2 <<<"$1" ;;
+    server/kernels/*/* | client/display/*/*) room=${parts[0]}/${parts[1]}/${parts[2]} ;;
+    *) room=${parts[0]}/${parts[1]} ;;
   esac
 }
-while IFS= read -r file; do
-  room=$(room_of "$file")
-  may=$(allowed "$room")
-  if [ "$may" = "?" ]; then report "$file lies in a room that no rule knows"; continue; fi
-  while IFS= read -r included; do
-    target=$(room_of "$included")
-    [ "$target" = "$room" ] && continue
-    for permitted in $may; do
-      case $target in $permitted | $permitted/*) continue 2 ;; esac
-    done
-    report "$file includes $included, but $room may not include $target"
-  done < <(sed -nE 's/^#include "((shared|server|client)\/[^"]+)".*/\1/p' "$file")
-done < <(sources shared server client)
+last=
+while IFS=: read -r file included; do
+  included=${included#*\"} included=${included%%\"*}
+  if [ "$file" != "$last" ]; then
+    last=$file
+    find_room "$file"
+    of=$room
+    may_include "$of"
+    [ "$may" = "?" ] && report "$file lies in a room that no rule knows"
+  fi
+  [ -z "$included" ] && continue
+  find_room "$included"
+  [ "$room" = "$of" ] || [ "$may" = "?" ] && continue
+  for permitted in $may; do
+    case $room in $permitted | $permitted/*) continue 2 ;; esac
+  done
+  report "$file includes $included, but $of may not include $room"
+done < <(sources shared server client | xargs awk '
+  FNR == 1 { print FILENAME ":" }
+  /^#include "(shared|server|client)\// { print FILENAME ":" $0 }')
 
 # Folder = namespace.
 while IFS= read -r file; do
-  room=$(room_of "$file")
-  name=$(basename "$room")
+  find_room "$file"
+  name=${room##*/}
   case $room in
     server/kernels/*) name=kernels ;;
     client/display/*) name=display ;;
@@ -115,7 +124,7 @@ while IFS= read -r file; do
     client/app) name=client_app ;;
   esac
   case $file in */main.cpp | *_simd.cpp) continue ;; esac
-  grep -qE "namespace macula::$name\b" "$file" || report "$file does not open namespace macula::$name"
+  [[ $(<"$file") =~ namespace\ macula::$name($|[^a-z_0-9]) ]] || report "$file does not open namespace macula::$name"
 done < <(sources shared server client)
 
 # Arguments and environment reach app alone; nothing looks outside the project; no tricks in the build.
