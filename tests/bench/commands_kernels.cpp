@@ -1,0 +1,218 @@
+// The command lines of experiments on kernels and what they stand on.
+#include "tests/bench/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "shared/base/text.h"
+#include "tests/bench/command_options.h"
+#include "tests/bench/culling.h"
+#include "tests/bench/culling_method.h"
+#include "tests/bench/light_tree.h"
+#include "tests/bench/lightcuts.h"
+#include "tests/bench/motion.h"
+#include "tests/bench/ray.h"
+#include "tests/bench/sphere.h"
+
+namespace macula::bench {
+
+Run declare_culling(CLI::App& command, Pace pace) {
+  auto options = std::make_shared<CullingOptions>();
+  if (pace == Pace::Quick) make_quick(*options);
+  add_scenes(command, options->scenes, "nave,atrium,city");
+  command.add_option("--motions", options->motions, "What moves")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"static", "light", "object", "both"}))
+      ->option_text("static,light,object,both (all)");
+  command.add_option("--methods", options->methods, "What to measure (all; see below)")
+      ->delimiter(',')
+      ->option_text("NAME,...");
+  command.add_option("--kept", options->kept, "Virtual lights that are kept")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1 << 20))
+      ->option_text("K,... (256,512,1024,2048,4096)");
+  command.add_option("--side", options->side_px, "Of the picture, pixels")
+      ->check(CLI::Range(32, 4096))
+      ->option_text("N (1024)");
+  command
+      .add_option("--reference-samples", options->reference_samples,
+                  "Paths a pixel of each half-reference")
+      ->check(CLI::Range(1, 1 << 16))
+      ->option_text("N (16)");
+  command.add_option("--warm-up", options->warm_up, "Frames before those that are timed")
+      ->check(CLI::Range(0, 1000))
+      ->option_text("N (8)");
+  command.add_option("--frames", options->frames, "That are timed; the last is judged")
+      ->check(CLI::Range(2, 1000))
+      ->option_text("N (4)");
+  add_threads(command, options->threads);
+  add_references(command, options->references);
+  command.add_option("--pictures", options->pictures, "Judged pictures")->option_text("FOLDER");
+  add_resumable_json(command, options->json);
+  add_quick(command, "512x512, static and both, 256 and 1024 lights, 8 paths, 3 frames after 4");
+  std::string methods;
+  for (const CullingMethod& method : culling_methods())
+    methods += base::concat("  ", method.name, std::string(18 - method.name.size(), ' '),
+                            method.summary, "\n");
+  command.footer(
+      "Every surface is diffuse, one lamp hangs above the eye, a red ball before it. Errors are\n"
+      "those of exposed light, clipped at 1, against paths of one bounce; from_vpls_ against "
+      "every\n"
+      "virtual light at a sixteenth of the pixels, where brightness_error_pct is told too.\n"
+      "all_vpls is rendered there alone and its time is that of the whole picture. Methods:\n" +
+      methods);
+  return [options]() -> Result<void> { return run_culling(*options); };
+}
+
+Run declare_motion(CLI::App& command, Pace) {
+  auto options = std::make_shared<MotionOptions>();
+  command.add_flag("--quick", options->quick, "Small scenes, a few repetitions");
+  add_json(command, options->json);
+  command.footer(
+      "One row a scene that moves in one way; CPU milliseconds of all threads for one moment:\n"
+      "pose, transforms with the top level or refits, the surface table, the light list, all of\n"
+      "it by a SceneTimeline, and the triangles built anew for comparison.");
+  return [options]() -> Result<void> { return run_motion(*options); };
+}
+
+Run declare_lightcuts(CLI::App& command, Pace) {
+  auto options = std::make_shared<LightcutsOptions>();
+  command.add_option("--scene", options->scene, "Built-in scene or scene file, with lights")
+      ->required()
+      ->option_text("NAME|FILE");
+  command.add_option("--frames", options->frames, "Timed and judged, each with a seed of its own")
+      ->check(CLI::Range(1, 1000))
+      ->option_text("N (4)");
+  command.add_option("--warm-up", options->warm_up, "Frames before those, for ours")
+      ->check(CLI::Range(0, 1000))
+      ->option_text("N (16)");
+  command
+      .add_option("--reference-nodes", options->reference_nodes,
+                  "Of the cuts of the half-references")
+      ->check(CLI::Range(1, 1 << 14))
+      ->option_text("N (256)");
+  command.add_option("--reference-passes", options->reference_passes, "Of each half-reference")
+      ->check(CLI::Range(1, 1 << 14))
+      ->option_text("N (4)");
+  command.add_flag("--quick", options->quick, "360x425, one frame after 6, one pass of 96 nodes");
+  add_threads(command, options->threads);
+  command.add_option("--pictures", options->pictures, "Maps and pictures of every method")
+      ->option_text("FOLDER");
+  add_json(command, options->json);
+  command.footer(
+      "sl asks as many lights in every pixel; its rows are the curve that gains and speeds are\n"
+      "read from. lspp is the size that cuts may have; a low-resolution picture comes on top.\n"
+      "mse is of display-linear values, relmse of radiance; both may be negative where they lie\n"
+      "below the noise of the references.");
+  return [options]() -> Result<void> { return run_lightcuts(*options); };
+}
+
+Run declare_light_tree(CLI::App& command, Pace) {
+  auto options = std::make_shared<LightTreeOptions>();
+  command.add_flag("--quick", options->quick, "A tenth of the repetitions");
+  add_json(command, options->json);
+  command.footer(
+      "One row a kind and number of moving lights and an instruction set. CPU milliseconds of a\n"
+      "moment: joints and lights moved, then the tree made anew. Nanoseconds of a walk from the\n"
+      "root to a leaf, against one that weighs one node after another; both by turns.");
+  return [options]() -> Result<void> { return run_light_tree(*options); };
+}
+
+namespace {
+
+void add_sphere_axes(CLI::App& command, SphereOptions& options) {
+  command
+      .add_option("--scenes", options.scenes,
+                  "Built-in distance fields, files of them, or primitives-N: N primitives that\n"
+                  "cover about the same whatever N")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (temple,columns,primitives)");
+  command.add_option("--methods", options.methods, "What to measure")
+      ->delimiter(',')
+      ->option_text("full,full_best,ipr_paper,ipr,fipr_paper,fipr (all)");
+  command.add_option("--fovea", options.fovea_deg, "Radii of the fovea, degrees")
+      ->delimiter(',')
+      ->check(CLI::Range(0.5, 60.0))
+      ->option_text("DEG,... (2.5,5,7.5,10,12.5,15)");
+  command.add_option("--ssaa", options.samples, "Samples a pixel")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 16))
+      ->option_text("N,... (1,2,4,8,16)");
+  command.add_option("--refresh", options.refresh, "Frames between refreshes outside the fovea")
+      ->delimiter(',')
+      ->check(CLI::IsMember({1, 2, 4}))
+      ->option_text("1,2,4 (all)");
+  command.add_option("--edges", options.edges, "What counts as an edge")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"depth", "albedo", "shaded"}))
+      ->option_text("depth,albedo,shaded (depth)");
+  command.add_option("--views", options.views, "Eyes")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 2))
+      ->option_text("1,2 (1)");
+}
+
+}  // namespace
+
+Run declare_sphere(CLI::App& command, Pace pace) {
+  auto options = std::make_shared<SphereOptions>();
+  if (pace == Pace::Quick) make_quick(*options);
+  add_sphere_axes(command, *options);
+  add_size(command, "Pixels an eye (2468x2740)", options->width_px, options->height_px);
+  command.add_option("--frames", options->frames, "Moving frames of a row")
+      ->check(CLI::Range(1, 10000))
+      ->option_text("N (16)");
+  command.add_option("--key-frames", options->key_frames, "Of them compared with method full")
+      ->check(CLI::Range(1, 100))
+      ->option_text("N (2)");
+  add_threads(command, options->threads);
+  command.add_option("--pictures", options->pictures, "Pictures and steps of every row")
+      ->option_text("FOLDER");
+  add_resumable_json(command, options->json);
+  add_quick(command, "1234x1370, three foveae, 1 and 16 samples, refresh 1 and 1/4");
+  return [options]() -> Result<void> { return run_sphere(*options); };
+}
+
+Run declare_ray(CLI::App& command, Pace) {
+  auto options = std::make_shared<RayOptions>();
+  command.add_option("--scene", options->scene, "Built-in scene or scene file")
+      ->required()
+      ->option_text("NAME|FILE");
+  command.add_option("--lighting", options->lightings, "Which of the paper's, with commas between")
+      ->delimiter(',')
+      ->option_text("point,area8,ao16");
+  command.add_option("--preset", options->presets, "Foveal regions, with commas between")
+      ->delimiter(',')
+      ->option_text("small,medium,large,full");
+  command.add_option("--grid", options->grids, "Where pictures are sampled")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"uniform", "foveal"}))
+      ->option_text("uniform,foveal");
+  add_size(command, "Pixels (1182x1464)", options->width_px, options->height_px);
+  command.add_option("--frames", options->frames, "Of the moving path, at 75 Hz")
+      ->check(CLI::Range(10, 100'000))
+      ->option_text("N (48)");
+  command.add_option("--key-frames", options->key_frames, "Frames that are judged")
+      ->check(CLI::Range(1, 64))
+      ->option_text("N (4)");
+  command
+      .add_option("--reference-samples", options->reference_samples,
+                  "Primary samples a pixel of each half-reference")
+      ->check(CLI::Range(1, 1 << 16))
+      ->option_text("N (64)");
+  command.add_flag("--quick", options->quick,
+                   "591x732, 24 frames, preset medium on the raster, two key frames");
+  command.add_flag("--paper-literal", options->paper_literal, "Every form as the paper prints it");
+  command.add_flag("--post-filter", options->post_filter,
+                   "Resampled cells take their neighbours' light");
+  command.add_option("--seed", options->seed, "Of every random number")->option_text("N (1)");
+  add_threads(command, options->threads);
+  add_references(command, options->references);
+  command.add_option("--pictures", options->pictures, "Write the last key frame's pictures here")
+      ->option_text("DIR");
+  add_json(command, options->json);
+  return [options]() -> Result<void> { return run_ray(*options); };
+}
+
+}  // namespace macula::bench
