@@ -1,12 +1,16 @@
 #include "server/app/settings_file.h"
 
+#include <algorithm>
 #include <array>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string_view>
 #include <toml.hpp>
 
 #include "shared/base/text.h"
+#include "shared/base/utf8.h"
 
 namespace macula::server_app {
 namespace {
@@ -101,6 +105,22 @@ std::string first_line(std::string text) {
   return text.substr(0, text.find('\n'));
 }
 
+Result<std::string> read_text(const std::string& path) {
+  std::error_code ignored;
+  std::ifstream file(path, std::ios::binary);
+  if (!std::filesystem::is_regular_file(path, ignored) || !file)
+    return base::bad_input("cannot read the settings file", path, "give a TOML file");
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  std::string text = std::move(bytes).str();
+  // The parser reads beyond its memory where a string is no UTF-8 (toml11 3.7.1).
+  if (const auto valid = base::valid_utf8_bytes(text); valid < text.size()) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(valid), '\n');
+    return base::bad_input("is no UTF-8 text", base::concat(path, ":", line), "TOML is expected");
+  }
+  return text;
+}
+
 }  // namespace
 
 std::vector<std::string> settings_keys() {
@@ -110,11 +130,11 @@ std::vector<std::string> settings_keys() {
 }
 
 Result<void> apply_settings_file(const std::string& path, Options& options) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored))
-    return base::bad_input("cannot read the settings file", path, "give a TOML file");
+  auto text = read_text(path);
+  if (!text) return base::forward(text);
   try {
-    const toml::value root = toml::parse(path);
+    std::istringstream stream(std::move(*text));
+    const toml::value root = toml::parse(stream, path);
     for (const auto& [name, value] : root.as_table())
       if (auto applied = apply_entry(path, name, value, options); !applied) return applied;
   } catch (const toml::syntax_error& error) {

@@ -11,6 +11,7 @@
 #include "server/scene/files.h"
 #include "server/scene/json_guard.h"
 #include "shared/base/text.h"
+#include "shared/base/utf8.h"
 
 namespace macula::scene {
 namespace {
@@ -242,6 +243,10 @@ Result<SideFile> read_side_file(const std::filesystem::path& path) {
   const auto bytes = read_file(path, kMaxBytes);
   if (!bytes) return forward(bytes);
   std::string text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  // The parser reads beyond its memory where a string is no UTF-8 (toml11 3.7.1).
+  if (const auto valid = base::valid_utf8_bytes(text); valid < text.size())
+    return base::bad_input(base::concat("is no UTF-8 text from byte ", valid, " on"), path.string(),
+                           "it must be valid TOML");
   if (measure_json(text).depth > kMaxDepth) {
     return base::bad_input("nested too deeply", path.string(),
                            base::concat("at most ", kMaxDepth, " levels"));

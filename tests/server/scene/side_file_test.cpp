@@ -94,7 +94,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Mistake{"light = 3\n", "line 1: light"},
                     Mistake{"[[light]]\ndirection = [0, 0, 0]\n", "direction"},
                     Mistake{"[scene_from_stage]\nrotation = [0, 0, 0, 0]\n", "quaternion"},
-                    Mistake{"exposure_ev = = 3\n", "TOML"}));
+                    Mistake{"exposure_ev = = 3\n", "TOML"},
+                    Mistake{"a = 1\nb = '''\xC3'''\n", "no UTF-8 text from byte 13 on"}));
 
 TEST(SideFile, OverridesEveryGuess) {
   // A triangle 2000 units long without light: unit, stage, light and exposure are all guessed,
