@@ -22,8 +22,8 @@ if [ "$install" = yes ]; then
 fi
 
 say() { printf '\n== %s (%s)\n' "$*" "$(date -u +%H:%M:%S)"; }
-# run_ctest PRESET LABEL_TO_SKIP [ctest options...]. Tests over real sockets share the machine with its
-# neighbours and may try twice; everything else has one try.
+# run_ctest PRESET LABEL_TO_SKIP [ctest options...]. Tests over real sockets and displays share the machine
+# with its neighbours and may try twice; everything else has one try.
 runner=()
 say_openxr() {  # how many tests of a headset ran and were skipped, and why
   local ran skipped
@@ -36,9 +36,9 @@ run_ctest() {
   local preset=$1 skip=$2
   shift 2
   local ctest=("${runner[@]}" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error -j2 "$@")
-  "${ctest[@]}" -LE "^(loopback${skip:+|$skip})\$"
+  "${ctest[@]}" -LE "^(loopback|window${skip:+|$skip})\$"
+  "${ctest[@]}" -L '^(loopback|window)$' --repeat until-pass:2
   say_openxr "build/$preset/Testing/Temporary/LastTest.log"
-  "${ctest[@]}" -L '^loopback$' --repeat until-pass:2
 }
 
 say "release build, warnings are errors"
