@@ -23,7 +23,7 @@ fi
 
 say() { printf '\n== %s (%s)\n' "$*" "$(date -u +%H:%M:%S)"; }
 # run_ctest PRESET LABEL_TO_SKIP [ctest options...]. Tests over real sockets and displays share the machine
-# with its neighbours and may try twice; everything else has one try.
+# with its neighbours, and leak checks with the threads of GL: three tries. Everything else has one.
 runner=()
 say_openxr() {  # how many tests of a headset ran and were skipped, and why
   local ran skipped
@@ -37,7 +37,7 @@ run_ctest() {
   shift 2
   local ctest=("${runner[@]}" ctest --test-dir "build/$preset" --output-on-failure --no-tests=error -j2 "$@")
   "${ctest[@]}" -LE "^(loopback|window${skip:+|$skip})\$"
-  "${ctest[@]}" -L '^(loopback|window)$' --repeat until-pass:2
+  "${ctest[@]}" -L '^(loopback|window)$' --repeat until-pass:3
   say_openxr "build/$preset/Testing/Temporary/LastTest.log"
 }
 
