@@ -3,6 +3,7 @@
 #include <bit>
 #include <utility>
 
+#include "shared/base/free_memory.h"
 #include "shared/base/log.h"
 #include "shared/base/text.h"
 
@@ -100,6 +101,7 @@ void Server::control_loop() {
   ServerTime last_tick = now();
   for (;;) {
     auto event = parts_.endpoint->wait(kTick);
+    bool session_ended = false;
     {
       std::lock_guard lock(mutex_);
       if (stopping_) return;
@@ -108,8 +110,10 @@ void Server::control_loop() {
         carry_out(table_.tick(now()));
         last_tick = now();
       }
+      session_ended = std::exchange(session_ended_, false);
     }
     may_start_.notify_one();
+    if (session_ended) base::return_free_memory();
   }
 }
 
@@ -244,6 +248,7 @@ void Server::act(AbandonFrames&& action) {
 
 void Server::act(DropSession&& action) {
   memories_.erase(action.session);
+  session_ended_ = true;
   base::log_info(base::concat("session ", std::hex, action.session, " ended: ", action.reason));
 }
 

@@ -98,6 +98,7 @@ class Server {
   std::map<FrameKey, net::EncodedFrame> outbox_;  ///< encoded, waiting for credit
   std::map<std::uint64_t, std::shared_ptr<RenderMemory>> memories_;  ///< by session
   std::optional<Rendering> rendering_;
+  bool session_ended_ = false;  ///< since the control loop last looked
   Telemetry telemetry_;
 
   std::thread control_, render_, encode_;

@@ -1,11 +1,12 @@
-// Connections that a listening socket holds, counted by its monitor's events. libzmq 4.3.4 keeps
-// the descriptor of a connection whose input one damaged byte has stopped: it no longer reads, so
-// it never hears that the peer has gone. Such connections can only be told by their number. Pure.
+// Connections that a listening socket holds, by the events of its monitor and the messages that
+// come. One that says nothing for a while leads nowhere: its peer has vanished behind something
+// that keeps the TCP connection alive, or a damaged length has it wait for bytes that never come.
+// libzmq would keep its descriptor for ever. Pure.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <vector>
 
 #include "shared/net/wakeup.h"
 #include "shared/net/zmq_socket.h"
@@ -14,27 +15,44 @@ namespace macula::net {
 
 class OpenConnections {
  public:
-  /// A handshake that lasts longer is ended by libzmq, a peer that says nothing for so long is
-  /// forgotten: what is older and no peer's leads nowhere.
-  static constexpr std::chrono::seconds kSettled{15};
+  /// Clients are never silent for longer than half a second, and libzmq ends a handshake after two.
+  static constexpr std::chrono::seconds kMostSilence{15};
 
   void on(const MonitorEvent& event, SteadyTime now) {
-    if (event.event == ZMQ_EVENT_ACCEPTED) since_[event.value] = now;
-    if (event.event == ZMQ_EVENT_DISCONNECTED) since_.erase(event.value);
+    if (event.event == ZMQ_EVENT_ACCEPTED) open_[event.value] = {now, false};
+    if (event.event != ZMQ_EVENT_DISCONNECTED) return;
+    const auto ended = open_.find(event.value);
+    if (ended == open_.end()) return;
+    if (!ended->second.has_spoken) ++ended_mute_;
+    open_.erase(ended);
   }
-  /// Those that belong to none of the living peers.
-  std::size_t dead(std::size_t peers, SteadyTime now) const {
-    const auto settled =
-        static_cast<std::size_t>(std::count_if(since_.begin(), since_.end(), [&](const auto& open) {
-          return now - open.second >= kSettled;
-        }));
-    return settled > peers ? settled - peers : 0;
+  /// A message came over this descriptor.
+  void heard(int descriptor, SteadyTime now) {
+    const auto speaker = open_.find(descriptor);
+    if (speaker != open_.end()) speaker->second = {now, true};
   }
-  std::size_t open() const { return since_.size(); }
-  void forget_all() { since_.clear(); }
+  /// Descriptors of connections that have been silent for too long. Each is named once; again only
+  /// when it is still there after as long a time.
+  std::vector<int> take_silent(SteadyTime now) {
+    std::vector<int> silent;
+    for (auto& [descriptor, connection] : open_) {
+      if (now - connection.last_heard < kMostSilence) continue;
+      connection.last_heard = now;
+      silent.push_back(descriptor);
+    }
+    return silent;
+  }
+  std::size_t open() const { return open_.size(); }
+  /// Connections that ended without a message: their handshake was refused or never done.
+  std::uint64_t ended_mute() const { return ended_mute_; }
 
  private:
-  std::map<int, SteadyTime> since_;  ///< by descriptor
+  struct Connection {
+    SteadyTime last_heard;  ///< or when it was accepted
+    bool has_spoken = false;
+  };
+  std::map<int, Connection> open_;  ///< by descriptor
+  std::uint64_t ended_mute_ = 0;
 };
 
 }  // namespace macula::net

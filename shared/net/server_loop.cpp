@@ -1,6 +1,6 @@
 #include "shared/net/server_loop.h"
 
-#include <fcntl.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,7 @@
 
 #include "shared/base/log.h"
 #include "shared/base/text.h"
+#include "shared/net/listener.h"
 #include "shared/net/wire.h"
 
 namespace macula::net {
@@ -26,15 +27,15 @@ constexpr seconds kLookForRevokedEvery{1};
 /// One round takes at most this many messages before frames get their turn.
 constexpr int kMessagesARound = 256;
 constexpr int kGoodbye_ms = 100;
-constexpr std::size_t kMostDeadConnections = 16;
 
 SteadyTime steady_now() {
   return std::chrono::steady_clock::now();
 }
 
-constexpr int kWatchedEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED |
-                               ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
-                               ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
+// Not ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL: libzmq 4.3.4 tells it between finding a damaged part and
+// asking errno what to do about it, and the telling leaves EAGAIN there. The connection is then not
+// ended but stops reading for ever, its descriptor and what was queued for it with it.
+constexpr int kWatchedEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED;
 
 }  // namespace
 
@@ -55,39 +56,25 @@ Result<void> ServerLoop::open(const KeyPair& keys) {
   if (auto started = zap_.start(); !started) return started;
   auto listener = listen_on(options_.bind);
   if (!listener) return forward(listener);
-  listener_ = std::move(*listener);
-  keys_ = keys;
-  endpoint_ = listener_.endpoint;
+  endpoint_ = listener->endpoint;
   public_key_ = keys.public_z85;
-  return make_socket();
-}
-
-Result<void> ServerLoop::make_socket() {
-  monitor_.reset();
   router_ = std::make_unique<Socket>(context_, SocketKind::Router);
   monitor_ = std::make_unique<Monitor>(context_, *router_, kWatchedEvents);
   set_common_options(*router_, options_.limits);
   router_->set(ZMQ_ROUTER_MANDATORY, 1);
   router_->set(ZMQ_CURVE_SERVER, 1);
-  router_->set(ZMQ_CURVE_SECRETKEY, keys_.secret_z85);
+  router_->set(ZMQ_CURVE_SECRETKEY, keys.secret_z85);
   router_->set(ZMQ_ZAP_DOMAIN, options_.zap_domain);
-  Fd listening(::fcntl(listener_.fd.value(), F_DUPFD_CLOEXEC, 0));
-  if (!listening.valid()) return base::runtime_error("no descriptor is left", endpoint_);
-  router_->set(ZMQ_USE_FD, listening.value());
+  router_->set(ZMQ_USE_FD, listener->fd.value());
   if (auto bound = router_->bind(endpoint_); !bound) return bound;
-  listening.release();  // libzmq closes it with the socket
+  listener->fd.release();  // libzmq closes it with the socket
   return {};
 }
 
-void ServerLoop::shed_dead_connections() {
-  if (connections_.dead(peers_.size(), steady_now()) < kMostDeadConnections) return;
-  base::log_warning(
-      base::concat("closing ", connections_.open(),
-                   " connections, most of them dead; clients come back by themselves"));
-  for (auto& [routing_id, peer] : peers_) peer.is_gone = true;
-  forget_the_gone();
-  connections_.forget_all();
-  if (auto made = make_socket(); !made) base::log_error(made.error().message());
+/// libzmq reads the end of a connection that was shut down and lets go of it.
+void ServerLoop::end_silent_connections() {
+  for (const int descriptor : connections_.take_silent(steady_now()))
+    ::shutdown(descriptor, SHUT_RDWR);
 }
 
 void ServerLoop::run() {
@@ -101,7 +88,7 @@ void ServerLoop::run() {
 void ServerLoop::round() {
   wakeup_.drain();
   read_monitor();
-  shed_dead_connections();
+  end_silent_connections();
   zap_.serve();
   if (zap_.admitted() != handshakes_) read_admitted();  // before the newcomer's first message
   receive_all();
@@ -138,18 +125,14 @@ SteadyTime ServerLoop::next_deadline() const {
 }
 
 void ServerLoop::read_monitor() {
-  while (const auto event = monitor_->next()) {
-    connections_.on(*event, steady_now());
-    const bool failed = event->event == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL ||
-                        event->event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL;
-    if (failed) ++failed_handshakes_;
-  }
+  while (const auto event = monitor_->next()) connections_.on(*event, steady_now());
 }
 
 void ServerLoop::receive_all() {
   for (int i = 0; i < kMessagesARound; ++i) {
     Incoming message;
     if (!router_->receive(message)) return;
+    connections_.heard(message.parts[1].connection(), steady_now());
     on_message(message, now());
   }
 }
@@ -235,7 +218,8 @@ void ServerLoop::forget_the_gone() {
 }
 
 void ServerLoop::publish_counters() {
-  own_counters_.refused_handshakes = zap_.refused() + failed_handshakes_;
+  // Those the ZAP handler refused end mute as well, only later.
+  own_counters_.refused_handshakes = std::max(zap_.refused(), connections_.ended_mute());
   std::lock_guard lock(mutex_);
   published_counters_ = own_counters_;
 }

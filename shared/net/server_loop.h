@@ -14,7 +14,6 @@
 
 #include "shared/net/frame_sender.h"
 #include "shared/net/keys.h"
-#include "shared/net/listener.h"
 #include "shared/net/open_connections.h"
 #include "shared/net/server_events.h"
 #include "shared/net/zap.h"
@@ -67,10 +66,7 @@ class ServerLoop {
 
   ServerLoop(const ServerEndpointOptions& options, const base::Clock& clock);
   Result<void> open(const KeyPair& keys);
-  Result<void> make_socket();
-  /// Dead connections cost a descriptor each: with many of them all are closed. Sessions are
-  /// resumed.
-  void shed_dead_connections();
+  void end_silent_connections();
 
   void round();
   void sleep();
@@ -117,8 +113,6 @@ class ServerLoop {
   DeadlineTimer timer_;
   Context context_;
   ZapHandler zap_;
-  Listener listener_;  ///< kept, so that a new socket takes over its port and who waits there
-  KeyPair keys_;
   std::unique_ptr<Socket> router_;
   std::unique_ptr<Monitor> monitor_;
   OpenConnections connections_;
@@ -128,7 +122,6 @@ class ServerLoop {
   SteadyTime admitted_read_{};
   std::uint64_t handshakes_ = 0;  ///< successful ones, when last looked
   std::uint64_t last_peer_ = 0, beats_ = 0;
-  std::uint64_t failed_handshakes_ = 0;  ///< besides those the ZAP handler refused
   SteadyTime beat_due_{};
   bool stopping_ = false;
   ServerCounters own_counters_;

@@ -19,10 +19,10 @@ void AnnotateIgnoreReadsEnd(const char* file, int line);
 namespace macula::net {
 namespace {
 
-// ZMTP heartbeats stay off. In libzmq 4.3.4 a damaged flags byte can stop an engine's input without
-// an error; when its peer then closes, the heartbeat timer runs into an assertion and the whole
-// process aborts. The application's Pings and Beats tell who is alive, and TCP gives up on data
-// that nobody acknowledges.
+// ZMTP heartbeats stay off. In libzmq 4.3.4 an engine whose input has stopped (a full queue is
+// enough) and whose peer then closes meets an assertion at the next heartbeat: the whole process
+// aborts. The application's Pings and Beats tell who is alive, the server ends connections that
+// stay silent, and TCP gives up on data that nobody acknowledges.
 constexpr int kHeartbeat_ms = 0;
 constexpr int kUnacknowledged_ms = 5000;
 constexpr int kHandshake_ms = 2000;

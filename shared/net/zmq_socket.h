@@ -47,6 +47,8 @@ class Part {
   std::string_view text() const;
   /// The User-Id that the ZAP handler gave this connection, empty when there was none.
   std::string user_id() const;
+  /// Descriptor of the TCP connection it came over, -1 when there is none.
+  int connection() const { return zmq_msg_get(&message_, ZMQ_SRCFD); }
   zmq_msg_t* handle() { return &message_; }
 
  private:

@@ -9,22 +9,42 @@ using std::chrono::seconds;
 
 constexpr SteadyTime kStart{std::chrono::hours{1}};
 
-TEST(OpenConnections, AreDeadOnceTheyAreOldAndNoPeers) {
+OpenConnections five_accepted() {
   OpenConnections connections;
   for (int fd = 10; fd < 15; ++fd) connections.on({ZMQ_EVENT_ACCEPTED, fd}, kStart);
-  EXPECT_EQ(connections.open(), 5U);
-  EXPECT_EQ(connections.dead(2, kStart + seconds{14}), 0U) << "a handshake may still go on";
-  EXPECT_EQ(connections.dead(2, kStart + seconds{15}), 3U);
-  EXPECT_EQ(connections.dead(7, kStart + seconds{15}), 0U) << "some of the peers are new";
+  return connections;
 }
 
-TEST(OpenConnections, ThatEndAreCountedNoMore) {
-  OpenConnections connections;
-  for (int fd = 10; fd < 15; ++fd) connections.on({ZMQ_EVENT_ACCEPTED, fd}, kStart);
+TEST(OpenConnections, AreSilentOnceNothingCameForLong) {
+  OpenConnections connections = five_accepted();
+  EXPECT_EQ(connections.open(), 5U);
+  for (const int fd : {11, 13}) connections.heard(fd, kStart + seconds{10});
+  EXPECT_TRUE(connections.take_silent(kStart + seconds{14}).empty());
+  EXPECT_EQ(connections.take_silent(kStart + seconds{15}), (std::vector<int>{10, 12, 14}));
+}
+
+TEST(OpenConnections, AreNamedAgainOnlyAfterAsLong) {
+  OpenConnections connections = five_accepted();
+  EXPECT_EQ(connections.take_silent(kStart + seconds{15}).size(), 5U);
+  EXPECT_TRUE(connections.take_silent(kStart + seconds{29}).empty());
+  EXPECT_EQ(connections.take_silent(kStart + seconds{30}).size(), 5U);
+}
+
+TEST(OpenConnections, ThatEndAreForgottenAndTheirDescriptorsUsedAnew) {
+  OpenConnections connections = five_accepted();
+  for (int fd = 10; fd < 14; ++fd) connections.on({ZMQ_EVENT_DISCONNECTED, fd}, kStart);
+  connections.on({ZMQ_EVENT_ACCEPTED, 13}, kStart + seconds{10});
+  connections.heard(12, kStart + seconds{10});  // too late
+  EXPECT_EQ(connections.take_silent(kStart + seconds{20}), (std::vector<int>{14}));
+}
+
+TEST(OpenConnections, ThatEndWithoutAWordAreCounted) {
+  OpenConnections connections = five_accepted();
+  connections.heard(10, kStart);
   for (int fd = 10; fd < 13; ++fd) connections.on({ZMQ_EVENT_DISCONNECTED, fd}, kStart);
-  EXPECT_EQ(connections.dead(0, kStart + seconds{20}), 2U);
-  connections.on({ZMQ_EVENT_ACCEPTED, 13}, kStart + seconds{20});
-  EXPECT_EQ(connections.dead(0, kStart + seconds{20}), 1U) << "the descriptor is used anew";
+  EXPECT_EQ(connections.ended_mute(), 2U);
+  connections.on({ZMQ_EVENT_DISCONNECTED, 12}, kStart);
+  EXPECT_EQ(connections.ended_mute(), 2U) << "an end of nothing";
 }
 
 }  // namespace
