@@ -12,9 +12,39 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-LightRay ray_from_point(const scene::Light& light, const Vec2& u) {
+LightRay ray_from_within(const scene::Light& light, const Vec2& u) {
   return {light.position, Vec3{0.0F}, 0.0F, sampling::uniform_sphere(u),
           light.intensity * (4.0F * kPi)};
+}
+
+/// A direction about an axis, in double: floats cannot aim at a scene from a million times its
+/// size.
+DVec3 direction_about(const DVec3& axis, double one_minus_cosine, double turn) {
+  const DVec3 beside = glm::normalize(
+      glm::cross(axis, std::abs(axis.x) < 0.5 ? DVec3{1.0, 0.0, 0.0} : DVec3{0.0, 1.0, 0.0}));
+  const double sine = std::sqrt(one_minus_cosine * (2.0 - one_minus_cosine));
+  return (1.0 - one_minus_cosine) * axis +
+         sine * (std::cos(turn) * beside + std::sin(turn) * glm::cross(axis, beside));
+}
+
+/// Evenly over the directions that meet the ball about `lit`, from just before it.
+LightRay ray_towards(const scene::Light& light, const scene::Bounds& lit, const Vec2& u) {
+  const DVec3 arm = lit.centre() - light.position;
+  const double distance = glm::length(arm), radius = 0.5 * glm::length(lit.size());
+  const double sine2 = radius / distance * (radius / distance);
+  const double one_minus_cosine = sine2 / (1.0 + std::sqrt(1.0 - sine2));
+  const DVec3 direction =
+      direction_about(arm / distance, static_cast<double>(u.x) * one_minus_cosine,
+                      2.0 * std::numbers::pi * static_cast<double>(u.y));
+  const DVec3 origin = light.position + std::max(0.0, distance - 2.0 * radius) * direction;
+  return {origin, Vec3{0.0F}, 0.0F, Vec3(direction),
+          light.intensity * static_cast<float>(2.0 * std::numbers::pi * one_minus_cosine)};
+}
+
+LightRay ray_from_point(const scene::Light& light, const scene::Bounds& lit, const Vec2& u) {
+  if (lit.empty()) return ray_from_within(light, u);
+  const bool outside = glm::length(lit.centre() - light.position) > 0.5 * glm::length(lit.size());
+  return outside ? ray_towards(light, lit, u) : ray_from_within(light, u);
 }
 
 /// glTF's spot over cosines: 1 from the axis to the inner cone, a squared ramp on to the outer.
@@ -75,7 +105,7 @@ LightRay ray_from_afar(const scene::Light& light, const scene::Bounds& lit, cons
 LightRay ray_from(const scene::Light& light, const scene::Bounds& lit, const Vec2& u) {
   switch (light.kind) {
     case scene::LightKind::Point:
-      return ray_from_point(light, u);
+      return ray_from_point(light, lit, u);
     case scene::LightKind::Spot:
       return ray_from_spot(light, u);
     case scene::LightKind::Directional:

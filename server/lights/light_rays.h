@@ -8,7 +8,7 @@
 namespace macula::lights {
 
 struct LightRay {
-  DVec3 origin{0.0};
+  DVec3 origin{0.0};            ///< of the ray; on the light, or nearer to what it lights
   Vec3 surface_normal{0.0F};    ///< unit, of the lamp the ray leaves; 0 where it leaves none
   float surface_span_m = 0.0F;  ///< shading::Surface's, for the ray's offset
   Vec3 direction{0.0F};         ///< unit, the way the light travels
@@ -17,9 +17,10 @@ struct LightRay {
   Rgb flux{0.0F};
 };
 
-/// From a punctual light. Point: all directions; spot: its cone, more where it shines more;
-/// directional: from the disc before `lit` that covers it, so that flux is what crosses the disc.
-/// No flux for a directional light with nothing to light.
+/// From a punctual light. Point: all directions; from outside the ball about `lit` those that meet
+/// it, starting just before it, so that flux is what enters the ball. Spot: its cone, more where it
+/// shines more. Directional: from the disc before `lit` that covers it, so that flux is what
+/// crosses the disc; none with nothing to light.
 LightRay ray_from(const scene::Light& light, const scene::Bounds& lit, const Vec2& u);
 
 /// From a point of some emissive triangle, as sample_area draws it, by the cosine about its normal.

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/scene/settle.h"
+
 namespace macula::scene {
 namespace {
 
@@ -73,6 +75,13 @@ std::vector<Camera> field_cameras(const sdf::Field& field, double time_s) {
   for (const sdf::Camera& camera : field.cameras)
     cameras.push_back({camera.name, field.pose_of(camera, time_s), camera.vertical_fov, {}});
   return cameras;
+}
+
+DVec3 recentre(sdf::Field& field) {
+  if (field.cameras.empty()) return DVec3{0.0};
+  const DVec3 origin = origin_for_stage(field.at(field.cameras.front().eye, 0.0));
+  sdf::translate(field, -origin);
+  return origin;
 }
 
 Scene scene_of(std::shared_ptr<const sdf::Field> field) {

@@ -11,6 +11,9 @@
 namespace macula::scene {
 
 Scene scene_of(std::shared_ptr<const sdf::Field> field);
+/// Moves a field whose first camera stands far from its origin to it (settle.h); returns where the
+/// new origin lies in the file.
+DVec3 recentre(sdf::Field& field);
 
 /// The field's point lights and suns at a moment on the scene's clock.
 std::vector<Light> field_lights(const sdf::Field& field, double time_s);

@@ -102,8 +102,10 @@ bool names_a_field_file(const std::string& path) {
 
 Result<std::shared_ptr<const Scene>> settled(Result<sdf::Field> field) {
   if (!field) return forward(field);
-  return std::make_shared<const Scene>(
-      scene_of(std::make_shared<const sdf::Field>(std::move(*field))));
+  const DVec3 origin = recentre(*field);
+  Scene scene = scene_of(std::make_shared<const sdf::Field>(std::move(*field)));
+  scene.settings.file_from_scene_m = origin;
+  return std::make_shared<const Scene>(std::move(scene));
 }
 
 /// The scene in its file's units, and what the side file says of it.
@@ -154,6 +156,7 @@ Result<std::shared_ptr<const Scene>> load_file(const std::string& path) {
     return base::bad_input("its motion may lead farther than 10,000 km", path,
                            "smaller translations and scales, or another meters_per_unit");
   }
+  recentre(*scene);
   return std::make_shared<const Scene>(std::move(*scene));
 }
 

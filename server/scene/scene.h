@@ -127,6 +127,8 @@ struct Environment {
 struct Settings {
   double meters_per_unit = 1.0;
   Pose scene_from_stage;  ///< where the viewer's stage stands, already in meters
+  /// Where the scene's origin lies in its file, meters: not 0 where the file's was too far away.
+  DVec3 file_from_scene_m{0.0};
   image::Tone tone;
   /// Stands in for light that was reflected many times: radiance of a constant surrounding of which
   /// a point sees what nothing within ambient_distance_m hides. Rays that meet nothing see it only

@@ -23,22 +23,30 @@ void note_guess(Scene& scene, const Parts&... parts) {
   scene.settings.guesses.push_back(std::move(text).str());
 }
 
-/// Lights keep the irradiance they gave in the file's units: intensity goes with length squared.
-/// What hangs from a joint is scaled through the joint at the root.
-void scale_to_meters(Scene& scene, double meters_per_unit) {
-  scene.settings.meters_per_unit = meters_per_unit;
-  const DMat4 scale = glm::scale(DMat4{1.0}, DVec3{meters_per_unit});
+/// The same change of every place: of what hangs from a joint, through the joint at the root.
+void transform_places(Scene& scene, const DMat4& now_from_before) {
   for (Joint& joint : scene.joints) {
-    if (!joint.parent) joint.parent_from_base = scale * joint.parent_from_base;
+    if (!joint.parent) joint.parent_from_base = now_from_before * joint.parent_from_base;
   }
   for (Instance& instance : scene.instances) {
-    if (!instance.joint) instance.parent_from_object = scale * instance.parent_from_object;
+    if (!instance.joint) {
+      instance.parent_from_object = now_from_before * instance.parent_from_object;
+    }
   }
+  const auto move = [&](DVec3& place) { place = DVec3(now_from_before * DVec4(place, 1.0)); };
   for (Camera& camera : scene.cameras) {
-    if (!camera.joint) camera.parent_from_view.position *= meters_per_unit;
+    if (!camera.joint) move(camera.parent_from_view.position);
   }
   for (Light& light : scene.lights) {
-    if (!light.joint) light.position *= meters_per_unit;
+    if (!light.joint) move(light.position);
+  }
+}
+
+/// Lights keep the irradiance they gave in the file's units: intensity goes with length squared.
+void scale_to_meters(Scene& scene, double meters_per_unit) {
+  scene.settings.meters_per_unit = meters_per_unit;
+  transform_places(scene, glm::scale(DMat4{1.0}, DVec3{meters_per_unit}));
+  for (Light& light : scene.lights) {
     if (light.kind != LightKind::Directional) {
       light.intensity *= static_cast<float>(meters_per_unit * meters_per_unit);
     }
@@ -265,6 +273,21 @@ double guess_meters_per_unit(double extent) {
   if (extent > 50'000.0) return 1e-3;
   if (extent > 500.0) return 1e-2;
   return 1.0;
+}
+
+DVec3 origin_for_stage(const DVec3& stage) {
+  constexpr double kNear = 1000.0;  // m
+  return glm::length(stage) <= kNear ? DVec3{0.0} : glm::round(stage);
+}
+
+void recentre(Scene& scene) {
+  const DVec3 origin = origin_for_stage(scene.settings.scene_from_stage.position);
+  if (origin == DVec3{0.0}) return;
+  transform_places(scene, glm::translate(DMat4{1.0}, -origin));
+  scene.settings.scene_from_stage.position -= origin;
+  scene.settings.file_from_scene_m += origin;
+  note_guess(scene, "the scene lies ", glm::length(origin) / 1000.0,
+             " km from its file's origin and was brought to it");
 }
 
 void settle(Scene& scene, const SideFile& side) {

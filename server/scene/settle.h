@@ -11,6 +11,12 @@ namespace macula::scene {
 /// some.
 void settle(Scene& scene, const SideFile& side);
 
+/// Where a scene's origin belongs whose stage stands there: 0 within a kilometer of it, beyond that
+/// at the stage, in whole meters. Floats lose a tenth of a millimeter with every kilometer.
+DVec3 origin_for_stage(const DVec3& stage);
+/// Moves a scene's origin there. Settings::file_from_scene_m takes the move back.
+void recentre(Scene& scene);
+
 /// By the scene's largest extent, in its units: rooms and buildings are 2 to 200 m.
 double guess_meters_per_unit(double extent);
 

@@ -38,4 +38,18 @@ Pose Field::pose_of(const Camera& camera, double time_s) const {
   return math::look_at(at(camera.eye, time_s), at(camera.target, time_s), camera.up);
 }
 
+void translate(Field& field, const DVec3& by) {
+  const auto move = [&](Parameter& place) {
+    if (place.track < 0) {
+      place.value += by;
+    } else {
+      for (DVec3& value : field.tracks.at(static_cast<std::size_t>(place.track)).values)
+        value += by;
+    }
+  };
+  if (!field.nodes.empty()) move(field.nodes.back().at);
+  for (PointLight& light : field.lights) move(light.position);
+  for (Camera& camera : field.cameras) move(camera.eye), move(camera.target);
+}
+
 }  // namespace macula::sdf

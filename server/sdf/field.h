@@ -95,4 +95,8 @@ struct Field {
   bool moves() const { return !tracks.empty(); }
 };
 
+/// Moves the root, the lights and the cameras; patterns stay where they are in the world. Every
+/// track belongs to one parameter.
+void translate(Field& field, const DVec3& by);
+
 }  // namespace macula::sdf

@@ -40,14 +40,16 @@ struct Shot {
   Radians vertical_fov{Degrees{60.0}};
 };
 
-Result<Shot> explicit_shot(const StillCamera& camera, double meters_per_unit) {
+Result<Shot> explicit_shot(const StillCamera& camera, const scene::Settings& settings) {
   const DVec3 forward_axis = camera.target - camera.eye;
   if (!(glm::length(glm::cross(forward_axis, camera.up)) > 0.0)) {
     return bad_input("looks at its own place or along its up vector", "--camera",
                      "eye, target and up must span a plane");
   }
-  const Pose pose =
-      math::look_at(meters_per_unit * camera.eye, meters_per_unit * camera.target, camera.up);
+  const auto in_scene = [&](const DVec3& place) {
+    return settings.meters_per_unit * place - settings.file_from_scene_m;
+  };
+  const Pose pose = math::look_at(in_scene(camera.eye), in_scene(camera.target), camera.up);
   if (!math::is_valid(pose)) return bad_input("is not finite or beyond 1e7 m", "--camera");
   return Shot{pose, camera.vertical_fov};
 }
@@ -71,7 +73,7 @@ Result<Shot> named_shot(const scene::Scene& scene, const std::string& name,
 
 Result<Shot> choose_shot(const StillOptions& options, const scene::Scene& scene,
                          const scene::ScenePose& pose) {
-  if (options.camera) return explicit_shot(*options.camera, scene.settings.meters_per_unit);
+  if (options.camera) return explicit_shot(*options.camera, scene.settings);
   if (!options.camera_name.empty()) return named_shot(scene, options.camera_name, pose);
   if (!scene.cameras.empty()) return camera_shot(scene, 0, pose);
   const Pose stage_from_view{DVec3{0.0, kStandingEye_m, 0.0}, DQuat{1.0, 0.0, 0.0, 0.0}};

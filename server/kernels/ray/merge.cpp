@@ -66,7 +66,7 @@ void finish_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cach
   for (const auto& [x, y] : cells) {
     const float depth = job.fresh.depth_m(x, y);
     depth_m(x, y) = depth;
-    cache.inverse_depth(x, y) = 1.0F / depth;
+    cache.inverse_depth(x, y) = inverse_of(depth);
   }
 }
 

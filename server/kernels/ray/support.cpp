@@ -60,7 +60,7 @@ Support::Support(const PixelGrid& grid, float spacing)
 void Support::fill(const ViewBuffers& fresh, const FoveatedConfig& config) {
   for (int j = 0; j < y.count(); ++j) {
     for (int i = 0; i < x.count(); ++i) {
-      inverse_depth(i, j) = 1.0F / fresh.depth_m(x.cells[i], y.cells[j]);
+      inverse_depth(i, j) = inverse_of(fresh.depth_m(x.cells[i], y.cells[j]));
       normal(i, j) = fresh.normal(x.cells[i], y.cells[j]);
     }
   }

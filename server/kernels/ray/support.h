@@ -17,6 +17,11 @@ namespace macula::kernels::ray {
 
 using image::Plane;
 
+/// 1/m, finite for an eye in a surface, too: nothing counts as nearer than a nanometer.
+inline float inverse_of(float depth_m) {
+  return 1.0F / std::max(depth_m, 1e-9F);
+}
+
 /// Support samples along one axis, and where every cell lies between them.
 struct SupportAxis {
   std::vector<int> cells;            ///< of the samples, increasing

@@ -85,6 +85,35 @@ TEST(LightRays, APointSendsTheSameEverywhere) {
   EXPECT_LT(glm::length(mean), 1e-3);
 }
 
+// From outside a ball of radius r, distance d away, the light in the cone about it is
+// 2 pi I (1 - sqrt(1 - (r/d)^2)); a terameter away that is pi I (r/d)^2, a directional light's.
+TEST(LightRays, APointOutsideTheBoxSendsThemTowardsIt) {
+  scene::Bounds box;
+  box.include({4.0, 1.0, -2.0});
+  box.include({7.0, 2.0, 3.0});
+  const double radius = 0.5 * glm::length(box.size());
+  for (const double distance : {1.001 * radius, 10.0, 1e5, 1e12}) {
+    scene::Light light;
+    light.position = box.centre() + distance * glm::normalize(DVec3{1.0, 2.0, -3.0});
+    light.intensity = Rgb{static_cast<float>(distance * distance)};
+    double reach = 0.0;
+    for (std::uint32_t i = 0; i < kRays; ++i) {
+      const LightRay ray = ray_from(light, box, sampling::sobol_owen_2d(i, 7));
+      ASSERT_LE(glm::length(ray.origin - box.centre()), std::max(2.01 * radius, distance));
+      const DVec3 from_centre = ray.origin - box.centre();
+      reach = std::max(reach, glm::length(glm::cross(from_centre, DVec3(ray.direction))));
+      const double share = 1.0 - std::sqrt(1.0 - std::pow(radius / distance, 2));
+      const double flux =
+          distance > 1e4 ? kPi * radius * radius : 2.0 * kPi * distance * distance * share;
+      ASSERT_NEAR(ray.flux.x, flux, 1e-4 * flux) << distance;
+    }
+    EXPECT_NEAR(reach, radius, 0.02 * radius) << distance;
+  }
+  scene::Light inside;
+  inside.position = box.centre();
+  EXPECT_FLOAT_EQ(ray_from(inside, box, {0.3F, 0.6F}).flux.x, static_cast<float>(4.0 * kPi));
+}
+
 TEST(LightRays, ADirectionalLightCoversTheBoxFromBeforeIt) {
   scene::Light light;
   light.kind = scene::LightKind::Directional;

@@ -50,6 +50,20 @@ TEST(FieldScene, SaysInAScenesWordsWhatTheFieldSays) {
   EXPECT_NEAR(made->settings.scene_from_stage.position.y, 0.0, 1e-9);
 }
 
+TEST(FieldScene, AFieldFarFromItsOriginIsBroughtToIt) {
+  auto field = sdf::parse_field(kField, "test");
+  ASSERT_TRUE(field);
+  EXPECT_EQ(recentre(*field), DVec3{0.0});
+  const DVec3 far{2e5, -1e5, 3e5};
+  sdf::translate(*field, far);
+  EXPECT_NEAR(field->at(field->lights[0].position, 2.0).x, 2e5 + 4.0, 1e-9);
+  const DVec3 origin = recentre(*field);
+  EXPECT_LT(glm::length(origin - far), 5.0) << "the stage stands by the camera";
+  EXPECT_LT(glm::length(field->at(field->cameras[0].eye, 0.0)), 1.0);
+  EXPECT_EQ(field->at(field->nodes.back().at, 0.0), far - origin);
+  EXPECT_EQ(field->at(field->lights[0].position, 2.0), (DVec3{4.0, 2.0, 0.0} + far - origin));
+}
+
 TEST(FieldScene, WithoutALobeWhereASurfaceIsAsRoughAsCanBe) {
   const auto made = scene();
   EXPECT_EQ(named(*made, "tiles").specular, 0.0F);

@@ -123,6 +123,28 @@ TEST(SideFile, OverridesEveryGuess) {
   EXPECT_TRUE((*stated)->lights.empty());
 }
 
+// Floats lose 8 mm a hundred kilometers away: what a node carries there is brought to the origin,
+// and the way back is kept for places that are given in the file's own numbers.
+TEST(Settle, ASceneFarFromItsOriginIsBroughtToIt) {
+  const TemporaryFolder folder;
+  folder.write("t.bin", test::triangle_bytes());
+  const std::string node = R"("nodes":[{"mesh":0,"translation":[100000.25,-70000,40000]}])";
+  const std::string path =
+      folder.write("t.gltf", replaced(test::triangle_json(), R"("nodes":[{"mesh":0}])", node));
+  const auto far = load_scene(path);
+  ASSERT_TRUE(far) << far.error().message();
+  EXPECT_LT(glm::length((*far)->settings.scene_from_stage.position), 1.0);
+  EXPECT_LT(glm::length((*far)->bounds().centre()), 2.0);
+  const DVec3 corner = (*far)->bounds().minimum + (*far)->settings.file_from_scene_m;
+  EXPECT_EQ(corner.x, 100000.25);
+  EXPECT_FALSE((*far)->settings.guesses.empty());
+
+  folder.write("t.gltf", test::triangle_json());
+  const auto near = load_scene(path);
+  ASSERT_TRUE(near) << near.error().message();
+  EXPECT_EQ((*near)->settings.file_from_scene_m, DVec3{0.0}) << "what is near stays where it is";
+}
+
 TEST(Guesses, TakeLargeScenesForCentimetersAndHugeOnesForMillimeters) {
   EXPECT_EQ(guess_meters_per_unit(30.0), 1.0);
   EXPECT_EQ(guess_meters_per_unit(3720.0), 0.01);
