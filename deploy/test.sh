@@ -41,10 +41,19 @@ run_ctest() {
   say_openxr "build/$preset/Testing/Temporary/LastTest.log"
 }
 
+say_faults() {  # what was tried against the programs, and the figures
+  local table=$1/fault_table.tsv
+  [ -s "$table" ] || return 0
+  printf '\nFaults, what is asked, and what was measured (a test tried again has a row for each try):\n'
+  sort -u "$table" | awk -F'\t' '{ printf "%-42s | %-58s | %s\n", $1, $2, $3 }'
+}
+
 say "release build, warnings are errors"
 configure_and_build release
 say "every test"
+rm -f build/release/fault_table.tsv
 run_ctest release ""
+say_faults build/release
 [ "$depth" = fast ] && exit 0
 
 # Sanitizers watch the code, not its figures: long renderings and measured times stay out unless --full.

@@ -1,6 +1,7 @@
 #include "server/session/server.h"
 
 #include <bit>
+#include <new>
 #include <utility>
 
 #include "shared/base/free_memory.h"
@@ -41,6 +42,18 @@ StageTimes stage_times(const FrameJob& job) {
   return {units::to_ms(job.render_begin - job.start.view_received),
           units::to_ms(job.render_end - job.render_begin),
           units::to_ms(job.encode_end - job.render_end), units::to_ms(job.encode_cpu)};
+}
+
+/// What `work` returns; memory that is not to be had is an error of this frame, not the end of the
+/// server.
+template <class Work>
+auto within_memory(Work&& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return base::runtime_error("there is not enough memory for it", "frame",
+                               "a smaller picture, fewer clients, or more memory");
+  }
 }
 
 Result<void> check_config(const ServerConfig& config) {
@@ -160,7 +173,9 @@ void Server::render(Job job, NextFrame next) {
   if (job->starts_history) next.memory->history = {};
   const FrameKey key = job->start.key;
   const ServerTime begun = now();
-  const auto outcome = render_stage_.render(*job, *next.memory, std::move(next.stop));
+  const auto outcome =
+      within_memory([&] { return render_stage_.render(*job, *next.memory, std::move(next.stop)); });
+  if (!outcome) job->buffers = {};  // what was had of them may be what others miss
   const bool rendered = outcome && *outcome == RenderOutcome::Rendered;
   next.memory->history_is_torn = !rendered;
   if (rendered && parts_.recorder) parts_.recorder->add(*job);
@@ -195,7 +210,7 @@ void Server::give_up(const FrameKey& key, const std::string& why) {
 
 void Server::encode_loop() {
   while (auto job = next_of(rendered_)) {
-    auto encoded = encode_stage_.encode(**job);
+    auto encoded = within_memory([&] { return encode_stage_.encode(**job); });
     finish_encoding(**job, std::move(encoded));
     may_start_.notify_one();
     (void)free_jobs_.put(std::move(*job));

@@ -2,6 +2,7 @@
 // (preset fuzz) or with driver.cpp, which mutates from a seed and needs no special compiler.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -67,5 +68,21 @@ class InputFile {
   std::filesystem::path folder_, path_;
   std::string text_;
 };
+
+/// An input whose first byte chooses what the rest is a file of.
+struct NamedContents {
+  std::string name;
+  std::string_view contents;
+};
+inline NamedContents choose_name(Input input, std::span<const char* const> names) {
+  return {names[input[0] % names.size()], as_text(input).substr(1)};
+}
+/// The input that choose_name() takes for a file called `name`, one of `names`.
+inline std::string input_named(std::string_view name, std::span<const char* const> names,
+                               const std::string& contents) {
+  const auto place = std::find(names.begin(), names.end(), name);
+  require(place != names.end(), "a seed of an unknown name");
+  return static_cast<char>(place - names.begin()) + contents;
+}
 
 }  // namespace macula::fuzz

@@ -27,7 +27,7 @@ zstd shared/codec
 x264 shared/codec
 libavcodec shared/codec
 zmq shared/net tests
-sodium shared/pairing
+sodium shared/pairing tests/faults
 macula/v1/.*\.pb\.h shared/net tests/shared/net
 google/protobuf shared/net tests/shared/net
 tiny_gltf server/scene/gltf

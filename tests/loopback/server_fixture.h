@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -45,6 +46,7 @@ struct LoopbackServerOptions {
   session::StageDelays delays;    ///< of the server's own stages
   net::ServerDelays wire_delays;  ///< of its endpoint
   std::string record;             ///< file; empty: nothing is recorded
+  std::optional<Nanoseconds> age_goal;
 };
 
 /// Serves from construction to destruction.
@@ -63,6 +65,7 @@ class LoopbackServer {
     }
     session::ServerConfig config = make_config();
     config.delays = options.delays;
+    config.age_goal = options.age_goal;
     session::ServerParts parts;
     parts.endpoint = std::move(*endpoint);
     parts.scene = shared_scene();
@@ -103,17 +106,18 @@ class LoopbackServer {
   std::unique_ptr<session::Server> server_;
 };
 
-/// One viewer with two small eyes. Single-threaded: step() is one refresh.
+/// One viewer with two small eyes of `side_px`. Single-threaded: step() is one refresh.
 class EndpointClient {
  public:
   EndpointClient(const std::string& connect, const std::string& key_folder,
-                 const std::string& server_key) {
+                 const std::string& server_key, int side_px = 64)
+      : display_{math::symmetric_fov(Degrees{90.0}, 1.0), side_px, side_px} {
     net::ClientEndpointOptions options;
     options.connect = connect;
     options.key_folder = key_folder;
     options.server_key_z85 = server_key;
     options.hello.program = "loopback test";
-    options.hello.eyes.assign(2, display());
+    options.hello.eyes.assign(2, display_);
     options.hello.codecs = {"jpeg", "lossless"};
     if (codec::can_decode_h264()) options.hello.codecs.push_back("h264");
     auto created = net::ClientEndpoint::create(options, clock_);
@@ -126,8 +130,6 @@ class EndpointClient {
 
   EndpointClient(const EndpointClient&) = delete;
   EndpointClient& operator=(const EndpointClient&) = delete;
-
-  static foveation::Display display() { return {math::symmetric_fov(Degrees{90.0}, 1.0), 64, 64}; }
 
   /// Sends a view and takes a frame when one comes within `wait`.
   void step(std::chrono::milliseconds wait = 4ms) {
@@ -157,7 +159,6 @@ class EndpointClient {
   const std::vector<net::ReceivedFrame>& frames() const { return frames_; }
   const std::vector<net::Welcomed>& welcomes() const { return welcomes_; }
 
- private:
   /// The head turns slowly, the gaze wanders.
   net::ViewState next_view() {
     net::ViewState view;
@@ -170,13 +171,15 @@ class EndpointClient {
     for (const double side : {-1.0, 1.0}) {
       net::EyeState eye;
       eye.head_from_eye.position.x = side * 0.032;
-      eye.fov = display().fov;
+      eye.fov = display_.fov;
       eye.gaze.direction = glm::normalize(Vec3{static_cast<float>(turn), 0.1F, -1.0F});
       view.eyes.push_back(eye);
     }
     return view;
   }
 
+ private:
+  const foveation::Display display_;
   base::SteadyClock clock_;
   std::unique_ptr<net::ClientEndpoint> endpoint_;
   std::vector<net::ReceivedFrame> frames_;

@@ -15,9 +15,11 @@
 #include <random>
 #include <thread>
 
+#include "shared/base/text.h"
 #include "tests/soak/process_size.h"
 #include "tests/support/chaos_proxy.h"
 #include "tests/support/child_program.h"
+#include "tests/support/fault_table.h"
 
 namespace macula::soak {
 namespace {
@@ -245,6 +247,12 @@ TEST_F(Soak, AServerUsedBadlyHoldsAfterwardsWhatItHeldBefore) {
             << before.resident_mb << " -> " << after.resident_mb << " MB, slope " << slope
             << " MB/h; descriptors " << before.descriptors << " -> " << after.descriptors
             << ", threads " << before.threads << " -> " << after.threads << std::endl;
+  macula::test::note_fault(
+      "soak, 2 clients, random faults", "0 descriptors and threads more, 1 MB/h in 1 h",
+      base::concat(lasts_s, " s: ", before.descriptors, " -> ", after.descriptors, " descriptors, ",
+                   before.threads, " -> ", after.threads, " threads, ", before.resident_mb, " -> ",
+                   after.resident_mb, " MB, ", slope, " MB/h; clients satisfied ", visits.satisfied,
+                   ", killed ", visits.killed, ", crashed ", visits.crashed));
   EXPECT_EQ(visits.crashed, 0);
   EXPECT_GT(visits.satisfied, 0);
   EXPECT_LE(after.descriptors, before.descriptors);

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <numbers>
 
 #include "server/scene/assimp/isolate.h"
+#include "server/scene/assimp/ply_header.h"
 #include "server/scene/assimp/reader.h"
 #include "server/scene/decode_image.h"
 #include "server/scene/placement.h"
@@ -25,6 +27,14 @@ Limits limits_for(std::uint64_t file_bytes) {
   return {.memory_bytes = 192 * kMegabyte + 32 * file_bytes,
           .cpu_s = static_cast<int>(1 + file_bytes / kMegabyte),
           .answer_bytes = 64 * kMegabyte + 16 * file_bytes};
+}
+
+std::string first_bytes(const std::string& path, std::size_t most) {
+  std::string bytes(most, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(bytes.data(), static_cast<std::streamsize>(most));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));
+  return bytes;
 }
 
 float within(float value, float low, float high) {
@@ -326,6 +336,10 @@ Result<ImportedScene> import_file(const std::string& path) {
   }
   const auto size = file_size(path, kMaxSceneFileBytes);
   if (!size) return forward(size);
+  if (format->suffix == ".ply") {
+    const auto sound = check_ply_header(first_bytes(path, kMostPlyHeaderBytes), *size, path);
+    if (!sound) return forward(sound);
+  }
   const auto answer =
       run_isolated([&] { return encode(read_parcel(path, *format)); }, limits_for(*size), path);
   if (!answer) return forward(answer);

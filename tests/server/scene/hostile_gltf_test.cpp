@@ -1,5 +1,7 @@
 // Files that lie: each must end in one line that names the file and says what is allowed; none may
 // crash, hang or leave the scene's folder.
+#include <sys/resource.h>
+
 #include <cmath>
 #include <limits>
 
@@ -7,7 +9,11 @@
 
 #include "gltf_file.h"
 #include "server/scene/load.h"
+#include "shared/base/cpu_time.h"
+#include "shared/base/text.h"
 #include "shared/math/hash.h"
+#include "shared/units/time.h"
+#include "tests/support/fault_table.h"
 
 namespace macula::scene {
 namespace {
@@ -45,6 +51,12 @@ TEST_P(LyingGltf, GivesOneClearLine) {
   const std::string json = replaced(test::triangle_json(), lie.from, lie.to);
   expect_clear_error(load_scene(folder.write("lie.gltf", json)), "lie.gltf", lie.says);
 }
+
+/// All lies one after the other, with what they cost (each also has a test of its own).
+struct HostileCosts {
+  int files = 0, refused = 0;
+  double longest_s = 0.0, peak_mb = 0.0;
+};
 
 constexpr const char* kVertices = R"("bufferView":0,"componentType":5126,"count":3,"type":"VEC3")";
 constexpr const char* kIndices = R"("bufferView":1,"componentType":5123,"count":3,"type":"SCALAR")";
@@ -185,6 +197,29 @@ const Lie kLies[] = {
 };
 INSTANTIATE_TEST_SUITE_P(Each, LyingGltf, testing::ValuesIn(kLies),
                          [](const testing::TestParamInfo<Lie>& lie) { return lie.param.name; });
+
+TEST(HostileGltf, EveryLieIsRefusedQuicklyAndWithLittleMemory) {
+  const TemporaryFolder folder;
+  folder.write("t.bin", test::triangle_bytes());
+  HostileCosts costs;
+  for (const Lie& lie : kLies) {
+    const std::string json = replaced(test::triangle_json(), lie.from, lie.to);
+    const double begin = units::to_s(base::thread_cpu_time());
+    ++costs.files;
+    costs.refused += load_scene(folder.write("lie.gltf", json)) ? 0 : 1;
+    costs.longest_s = std::max(costs.longest_s, units::to_s(base::thread_cpu_time()) - begin);
+  }
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  costs.peak_mb = static_cast<double>(used.ru_maxrss) / 1024.0;
+  EXPECT_EQ(costs.refused, costs.files);
+  EXPECT_GE(costs.files, 40);
+  EXPECT_LE(costs.longest_s, 2.0);
+  macula::test::note_fault(
+      "hostile glTF files", ">= 40, each <= 2 s and <= 512 MB, error text",
+      base::concat(costs.refused, " of ", costs.files, " refused, longest ", costs.longest_s,
+                   " s of processor time, peak ", costs.peak_mb, " MB"));
+}
 
 TEST(HostileGltf, IndicesBeyondTheVerticesAreRefused) {
   const TemporaryFolder folder;

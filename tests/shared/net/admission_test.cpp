@@ -10,6 +10,7 @@
 #include "shared/net/zap.h"
 #include "shared/net/zmq_socket.h"
 #include "tests/shared/net/net_fixture.h"
+#include "tests/support/fault_table.h"
 
 namespace macula::net {
 namespace {
@@ -201,12 +202,16 @@ TEST(Admission, AnotherWireVersionIsRefusedNamingBoth) {
   RawClient client(server.endpoint().endpoint(), keys.path());
   std::string bytes = encode_envelope(Ping{1, {}});
   bytes[3] = 7;
+  const auto said = std::chrono::steady_clock::now();
   client.say(bytes);
   const auto refusal = client.hear_refusal();
+  const Nanoseconds took = std::chrono::steady_clock::now() - said;
   ASSERT_TRUE(refusal);
   EXPECT_EQ(refusal->code, RefusalCode::VersionMismatch);
   EXPECT_NE(refusal->text.find("version 1"), std::string::npos) << refusal->text;
   EXPECT_NE(refusal->text.find("version 7"), std::string::npos) << refusal->text;
+  macula::test::note_fault("another protocol version", "<= 1 s, names both",
+                           base::concat("after ", units::to_ms(took), " ms: ", refusal->text));
 }
 
 TEST(Admission, AHelloOfAnotherVersionIsRefusedNamingBoth) {
@@ -273,6 +278,10 @@ TEST(Admission, StrangersFromEverywhereGetNothing) {
   EXPECT_FALSE(server.endpoint().wait(std::chrono::milliseconds{200}))
       << "an event from a stranger";
   EXPECT_EQ(server.endpoint().counters().views, 0U);
+  macula::test::note_fault(
+      "strangers with unknown keys", "0 frames, 0 poses in 1e5 attempts (1e3 in every test run)",
+      base::concat(strangers, " from all over 127.0.0.0/8: ", answers, " answers, ",
+                   server.endpoint().counters().views, " views"));
 }
 
 }  // namespace

@@ -1,7 +1,11 @@
+#include <algorithm>
 #include <optional>
+#include <random>
 
+#include "shared/base/text.h"
 #include "tests/shared/net/net_fixture.h"
 #include "tests/support/chaos_proxy.h"
+#include "tests/support/fault_table.h"
 
 namespace macula::net {
 namespace {
@@ -96,6 +100,49 @@ TEST_P(Faults, OneFlippedByteIsRecoveredFromWithinASecond) {
   }
   EXPECT_GE((*proxy)->bits_flipped(), 5U);
   EXPECT_GE(client->counters().socket_remakes, 1U);
+}
+
+/// Every frame that comes is one the server sent, to the bit.
+TEST(DamagedLink, BringsNoDamagedFrame) {
+  TemporaryFolder keys;
+  BusyServer server(keys.path());
+  auto proxy = ChaosProxy::create(server.endpoint(), 3);
+  ASSERT_TRUE(proxy);
+  const auto client = make_client(client_options((*proxy)->endpoint(), keys.path()));
+  std::mt19937_64 random(5);
+  std::uint64_t frames = 0, damaged = 0;
+  std::vector<double> waits_ms;
+  const int flips = macula::test::times(8, 500);
+  for (int i = 0; i < flips; ++i) {
+    const bool to_client = i % 2 == 0;
+    // Into the next frame or two; a client's messages are small.
+    (*proxy)->flip_bit_after(to_client ? Direction::ToClient : Direction::ToServer,
+                             random() % (to_client ? 40'000 : 400));
+    const auto count = [&](const ReceivedFrame& frame) {
+      ++frames;
+      const auto sent = make_frame(frame.begin.epoch, frame.begin.frame, 20'000);
+      damaged += frame.payloads.at(0) == *sent.payloads[0] ? 0 : 1;
+    };
+    const auto begin = std::chrono::steady_clock::now();
+    auto newest = begin;
+    Nanoseconds longest{0};
+    while (newest - begin < 700ms) {
+      const auto frame = client->wait_frame(20s);
+      ASSERT_TRUE(frame);
+      count(*frame);
+      longest = std::max<Nanoseconds>(longest, std::chrono::steady_clock::now() - newest);
+      newest = std::chrono::steady_clock::now();
+    }
+    waits_ms.push_back(units::to_ms(longest));
+  }
+  EXPECT_EQ(damaged, 0U);
+  std::sort(waits_ms.begin(), waits_ms.end());
+  EXPECT_LE(waits_ms[waits_ms.size() / 2], 1000.0);
+  macula::test::note_fault("flipped bits over sockets",
+                   "0 damaged frames in 500 (8 in every test run), <= 1 s",
+                   base::concat((*proxy)->bits_flipped(), " flips, ", frames, " frames, ", damaged,
+                                " damaged; longest wait: median ", waits_ms[waits_ms.size() / 2],
+                                " ms, p95 ", waits_ms[waits_ms.size() * 95 / 100], " ms"));
 }
 
 TEST_P(Faults, AStallIsNoticedAndRecoveredFrom) {
