@@ -44,7 +44,8 @@ display::ClientReport RunLog::report() const {
   display::ClientReport report = report_;
   report.gaze_changes_over_10_deg = saccades_.count();
   report.accounts = book_.accounts();
-  report.accounts_incomplete = report.distinct_server_frames - report.accounts.size();
+  report.accounts_left_out = book_.accounted() - report.accounts.size();
+  report.accounts_incomplete = report.distinct_server_frames - book_.accounted();
   return report;
 }
 

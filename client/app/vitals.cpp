@@ -47,7 +47,7 @@ void Vitals::note(const Showing& showing, const RunLog& log, const net::ClientEn
 
 void Vitals::note_columns(const frames::StageBook& book) {
   const auto news = book.accounts_after(accounts_);
-  accounts_ += news.size();
+  accounts_ = book.accounted();
   for (const auto& account : news) dashboard_.columns.push_back(column_of(account.times));
   while (dashboard_.columns.size() > display::Dashboard::kColumns) dashboard_.columns.pop_front();
 }

@@ -34,6 +34,9 @@ void StageBook::note_shown(FrameId id, const net::FrameEnd& end, const ClientSta
   std::lock_guard lock(mutex_);
   shown_.insert_or_assign(id, Shown{server_stamps(end), stamps, clock});
   join(id);
+  if (shown_.size() <= kMostSent) return;
+  shown_.erase(shown_.begin());
+  ++given_up_;
 }
 
 void StageBook::join(FrameId id) {
@@ -44,19 +47,29 @@ void StageBook::join(FrameId id) {
   ServerStamps server = shown->second.server;
   server.send_end = sent->end;
   accounts_.push_back({id, account(server, shown->second.client, shown->second.clock)});
+  if (accounts_.size() > kMostAccounts) {
+    accounts_.pop_front();
+    ++left_out_;
+  }
   shown_.erase(shown);
   sent_.erase(sent);
 }
 
 std::vector<AccountedFrame> StageBook::accounts_after(std::size_t count) const {
   std::lock_guard lock(mutex_);
-  const auto left_out = static_cast<std::ptrdiff_t>(std::min(count, accounts_.size()));
-  return {accounts_.begin() + left_out, accounts_.end()};
+  const std::size_t skipped = count > left_out_ ? count - left_out_ : 0;
+  const auto first = static_cast<std::ptrdiff_t>(std::min(skipped, accounts_.size()));
+  return {accounts_.begin() + first, accounts_.end()};
+}
+
+std::uint64_t StageBook::accounted() const {
+  std::lock_guard lock(mutex_);
+  return left_out_ + accounts_.size();
 }
 
 std::uint64_t StageBook::incomplete() const {
   std::lock_guard lock(mutex_);
-  return shown_.size();
+  return given_up_ + shown_.size();
 }
 
 }  // namespace macula::frames

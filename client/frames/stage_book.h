@@ -27,10 +27,14 @@ class StageBook {
   /// The first showing of a frame. `clock` is the estimate in force now.
   void note_shown(FrameId id, const net::FrameEnd& end, const ClientStamps& stamps,
                   const net::ClockEstimate& clock);
-  /// Whole accounts in the order they became whole; the book keeps them.
+  /// How many whole accounts the book keeps, the newest: a quarter of an hour at 72 Hz.
+  static constexpr std::size_t kMostAccounts = 65536;
+  /// Whole accounts in the order they became whole, as far as the book keeps them.
   std::vector<AccountedFrame> accounts() const { return accounts_after(0); }
-  /// The same without the first `count`.
+  /// The same without the first `count` of the run.
   std::vector<AccountedFrame> accounts_after(std::size_t count) const;
+  /// All whole accounts of the run, kept or not.
+  std::uint64_t accounted() const;
   /// Shown frames whose send queue is not known, now or ever.
   std::uint64_t incomplete() const;
 
@@ -47,9 +51,11 @@ class StageBook {
   void join(FrameId id);
 
   mutable std::mutex mutex_;
-  std::map<FrameId, Shown> shown_;  // waiting for their send queue
+  std::map<FrameId, Shown> shown_;  // waiting for their send queue, bounded
+  std::uint64_t given_up_ = 0;      // shown, and no longer waited for
   std::deque<Sent> sent_;           // not shown yet, newest last, bounded
-  std::vector<AccountedFrame> accounts_;
+  std::deque<AccountedFrame> accounts_;
+  std::uint64_t left_out_ = 0;  // older accounts, no longer kept
 };
 
 }  // namespace macula::frames

@@ -2,15 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
 
 #include "shared/base/check.h"
+#include "shared/math/hash.h"
 
 namespace macula::frames {
+namespace {
+
+constexpr std::uint64_t kReservoirSeed = 0x5E71E5;  ///< the same run keeps the same values
+
+}  // namespace
+
+void Series::add(double value) {
+  ++count_;
+  sum_ += value;
+  least_ = count_ == 1 ? value : std::min(least_, value);
+  largest_ = count_ == 1 ? value : std::max(largest_, value);
+  if (values_.size() < kMost) {
+    values_.push_back(value);
+    return;
+  }
+  const std::uint64_t place = math::hash_combine(kReservoirSeed, count_) % count_;
+  if (place < kMost) values_[place] = value;
+}
 
 double Series::quantile(double q) const {
   MACULA_CHECK(q >= 0.0 && q <= 1.0, "a quantile lies in [0, 1]");
   if (values_.empty()) return 0.0;
+  if (q == 0.0) return least_;
+  if (q == 1.0) return largest_;
   std::vector<double> sorted = values_;
   std::sort(sorted.begin(), sorted.end());
   const double place = q * static_cast<double>(sorted.size() - 1);
@@ -20,12 +41,7 @@ double Series::quantile(double q) const {
 }
 
 double Series::mean() const {
-  if (values_.empty()) return 0.0;
-  return std::accumulate(values_.begin(), values_.end(), 0.0) / static_cast<double>(values_.size());
-}
-
-double Series::largest() const {
-  return quantile(1.0);
+  return count_ == 0 ? 0.0 : sum_ / static_cast<double>(count_);
 }
 
 }  // namespace macula::frames

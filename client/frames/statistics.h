@@ -1,5 +1,5 @@
-// Series: numbers of a run and their quantiles. Ages: how old what is on the display was when it
-// lit up. One thread.
+// Series: numbers of a run and their quantiles, in bounded memory. Ages: how old what is on the
+// display was when it lit up. One thread.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,24 @@
 
 namespace macula::frames {
 
+/// Count, mean, least and largest are of all values. Quantiles are exact up to kMost values and
+/// then of as many drawn uniformly from all (Vitter, "Random sampling with a reservoir", 1985,
+/// Algorithm R): one of n = kMost lies within sqrt(q (1 - q) / n) of its rank, 0.2 % at the median.
 class Series {
  public:
-  void add(double value) { values_.push_back(value); }
-  std::size_t count() const { return values_.size(); }
+  static constexpr std::size_t kMost = 65536;
+
+  void add(double value);
+  std::size_t count() const { return count_; }
   /// Linear between neighbours: quantile(0) the least, quantile(1) the largest; 0 when empty.
   double quantile(double q) const;
-  double mean() const;     ///< 0 when empty
-  double largest() const;  ///< 0 when empty
+  double mean() const;                         ///< 0 when empty
+  double largest() const { return largest_; }  ///< 0 when empty
 
  private:
-  std::vector<double> values_;
+  std::size_t count_ = 0;
+  double sum_ = 0.0, least_ = 0.0, largest_ = 0.0;
+  std::vector<double> values_;  ///< all, or a uniform sample of them
 };
 
 struct Ages {

@@ -46,7 +46,7 @@ Json accounting_json(const ClientReport& report) {
   const auto unattributed = over_accounts(report, [](const auto& t) { return t.unattributed; });
   const auto closure =
       over_accounts(report, [](const auto& t) { return std::chrono::abs(t.total - t.sum()); });
-  return {{"frames_accounted", report.accounts.size()},
+  return {{"frames_accounted", report.accounts.size() + report.accounts_left_out},
           {"frames_incomplete", report.accounts_incomplete},
           {"unattributed_max_ms", unattributed.largest()},
           {"sum_minus_total_max_ms", closure.largest()}};

@@ -39,7 +39,8 @@ struct ClientReport {
   std::uint64_t frames_undecodable = 0;
   std::uint64_t gaze_changes_over_10_deg = 0;
   frames::Ages ages;
-  std::vector<frames::AccountedFrame> accounts;
+  std::vector<frames::AccountedFrame> accounts;  ///< the newest
+  std::uint64_t accounts_left_out = 0;           ///< older ones of a long run
   std::uint64_t accounts_incomplete = 0;
   frames::Series filled_share, outside_share;           ///< of a shown eye's pixels
   frames::Series frame_bytes, frame_cells, frame_rays;  ///< of distinct server frames

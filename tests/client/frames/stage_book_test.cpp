@@ -69,6 +69,32 @@ TEST(StageBook, CountsAFrameWhoseSuccessorNeverCame) {
   EXPECT_EQ(book.incomplete(), 2U);
 }
 
+TEST(StageBook, KeepsTheNewestAccountsOfALongRunAndCountsAll) {
+  const StampedPath path;
+  StageBook book;
+  constexpr std::uint64_t kFrames = StageBook::kMostAccounts + 100;
+  for (std::uint64_t number = 1; number <= kFrames; ++number) {
+    show(book, number, path);
+    book.note_begin(begin_after(number, path));
+  }
+  EXPECT_EQ(book.accounted(), kFrames);
+  ASSERT_EQ(book.accounts().size(), StageBook::kMostAccounts);
+  EXPECT_EQ(book.accounts().front().id, (FrameId{5, 101}));
+  EXPECT_EQ(book.accounts_after(kFrames - 2).size(), 2U);
+  EXPECT_TRUE(book.accounts_after(kFrames).empty());
+}
+
+TEST(StageBook, WaitsForFewFramesHoweverManyNeverGotASuccessor) {
+  const StampedPath path;
+  StageBook book;
+  for (std::uint64_t number = 1; number <= 1000; ++number) show(book, number, path);
+  EXPECT_EQ(book.incomplete(), 1000U);
+  book.note_begin(begin_after(1000, path));
+  book.note_begin(begin_after(1, path));  // far too late
+  EXPECT_EQ(book.accounts().size(), 1U);
+  EXPECT_EQ(book.incomplete(), 999U);
+}
+
 TEST(StageBook, KeepsFramesOfDifferentEpochsApart) {
   const StampedPath path;
   StageBook book;
