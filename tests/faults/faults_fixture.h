@@ -91,6 +91,13 @@ class ServerProcess {
   std::string endpoint_;
 };
 
+/// Whether a viewer has had one session all the time. (A busy machine may make it connect again.)
+inline bool kept_its_session(const EndpointClient& viewer) {
+  const auto& welcomes = viewer.welcomes();
+  return !welcomes.empty() && std::all_of(welcomes.begin() + 1, welcomes.end(),
+                                          [](const auto& again) { return again.resumed; });
+}
+
 /// A viewer whose keys the server of the same folder trusts.
 inline std::unique_ptr<EndpointClient> viewer_of(const std::string& endpoint,
                                                  const std::string& keys) {
