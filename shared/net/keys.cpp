@@ -30,8 +30,14 @@ std::string without_line_end(std::string text) {
   return text;
 }
 
+/// Whether something could not be opened only because this process or machine has too much open.
+bool is_shortage(int error) {
+  return error == EMFILE || error == ENFILE || error == ENOMEM;
+}
+
 Result<std::string> read_key_line(const std::string& file) {
   std::ifstream in(file, std::ios::binary);
+  if (!in && is_shortage(errno)) return base::runtime_error(std::strerror(errno), file);
   if (!in) return base::bad_input(base::concat("cannot read: ", std::strerror(errno)), file);
   std::array<char, kZ85Key + 8> bytes{};
   in.read(bytes.data(), bytes.size());
@@ -177,27 +183,45 @@ Result<std::string> load_public_key(const std::string& file) {
   return read_key_line(file);
 }
 
-std::vector<std::string> allowed_clients(const std::string& folder, bool trust_own_client) {
-  std::vector<std::string> keys;
-  if (trust_own_client)
-    if (auto own = read_key_line(folder + "/client.pub")) keys.push_back(std::move(*own));
-  for (AllowedClient& client : list_clients(folder))
-    if (!client.public_z85.empty()) keys.push_back(std::move(client.public_z85));
-  return keys;
-}
+namespace {
 
-std::vector<AllowedClient> list_clients(const std::string& folder) {
+/// The allowed folder's files by name; a key that cannot be read is empty. An Error when the files
+/// are there but cannot be opened now.
+Result<std::vector<AllowedClient>> read_clients(const std::string& folder) {
   std::vector<AllowedClient> clients;
   std::error_code error;
   fs::directory_iterator entry(folder + "/allowed", error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
     if (entry->path().extension() != ".pub") continue;
-    clients.push_back(
-        {entry->path().stem().string(), read_key_line(entry->path().string()).value_or("")});
+    const auto key = read_key_line(entry->path().string());
+    if (!key && key.error().kind == base::ErrorKind::Runtime) return forward(key);
+    clients.push_back({entry->path().stem().string(), key.value_or("")});
   }
+  if (error && is_shortage(error.value())) return base::runtime_error(error.message(), folder);
   std::sort(clients.begin(), clients.end(),
             [](const auto& a, const auto& b) { return a.name < b.name; });
   return clients;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> allowed_clients(const std::string& folder,
+                                                 TrustOwnClient trust_own) {
+  std::vector<std::string> keys;
+  if (trust_own == TrustOwnClient::Yes) {
+    auto own = read_key_line(folder + "/client.pub");
+    if (!own && own.error().kind == base::ErrorKind::Runtime) return forward(own);
+    if (own) keys.push_back(std::move(*own));
+  }
+  auto clients = read_clients(folder);
+  if (!clients) return forward(clients);
+  for (AllowedClient& client : *clients)
+    if (!client.public_z85.empty()) keys.push_back(std::move(client.public_z85));
+  return keys;
+}
+
+std::vector<AllowedClient> list_clients(const std::string& folder) {
+  return read_clients(folder).value_or(std::vector<AllowedClient>{});
 }
 
 Result<void> allow_client(const std::string& folder, const std::string& name,

@@ -32,9 +32,11 @@ enum class Role { Server, Client };
 KeyPair make_key_pair();
 Result<KeyPair> load_or_make_keys(const std::string& folder, Role role);
 Result<std::string> load_public_key(const std::string& file);
-/// Exact keys allowed now: allowed/*.pub, and client.pub of the same folder when
-/// `trust_own_client`.
-std::vector<std::string> allowed_clients(const std::string& folder, bool trust_own_client);
+enum class TrustOwnClient { No, Yes };
+/// Exact keys allowed now: allowed/*.pub, and client.pub of the same folder where that is trusted.
+/// An Error when the process has no descriptor left to look: who is allowed is then not known.
+Result<std::vector<std::string>> allowed_clients(const std::string& folder,
+                                                 TrustOwnClient trust_own);
 struct AllowedClient {
   std::string name;        ///< of the file allowed/NAME.pub
   std::string public_z85;  ///< empty: the file holds no key and admits nobody

@@ -183,7 +183,9 @@ void ServerLoop::flush(Peer& peer) {
 }
 
 void ServerLoop::read_admitted() {
-  admitted_ = allowed_clients(options_.key_folder, true);
+  // Where nothing can be opened any more, those who are in stay in.
+  if (auto allowed = allowed_clients(options_.key_folder, TrustOwnClient::Yes))
+    admitted_ = std::move(*allowed);
   admitted_read_ = steady_now();
   handshakes_ = zap_.admitted();
 }

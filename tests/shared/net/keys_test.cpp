@@ -1,6 +1,8 @@
 #include "shared/net/keys.h"
 
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -90,16 +92,34 @@ TEST(Keys, ALostPublicFileComesBackFromTheSecretOne) {
 
 TEST(Keys, TheAllowedFolderIsTheListOfClients) {
   TemporaryFolder folder;
-  EXPECT_TRUE(allowed_clients(folder.path(), true).empty());
+  EXPECT_TRUE(allowed_clients(folder.path(), TrustOwnClient::Yes)->empty());
   const std::string key = make_key_pair().public_z85;
   ASSERT_TRUE(allow_client(folder.path(), "headset-1", key));
   EXPECT_EQ(mode_of(folder.path() + "/allowed"), 0700U);
-  EXPECT_EQ(allowed_clients(folder.path(), false), std::vector<std::string>{key});
+  EXPECT_EQ(*allowed_clients(folder.path(), TrustOwnClient::No), std::vector<std::string>{key});
   const auto own = load_or_make_keys(folder.path(), Role::Client);
-  EXPECT_EQ(allowed_clients(folder.path(), true), (std::vector<std::string>{own->public_z85, key}));
+  EXPECT_EQ(*allowed_clients(folder.path(), TrustOwnClient::Yes),
+            (std::vector<std::string>{own->public_z85, key}));
   write_text(folder.path() + "/allowed/damaged.pub", "x");
   write_text(folder.path() + "/allowed/note.txt", make_key_pair().public_z85);
-  EXPECT_EQ(allowed_clients(folder.path(), false), std::vector<std::string>{key});
+  EXPECT_EQ(*allowed_clients(folder.path(), TrustOwnClient::No), std::vector<std::string>{key});
+}
+
+/// A crowd of connections once had every client expelled: the folder could not be opened, and that
+/// was taken for a folder without keys.
+TEST(Keys, WithoutADescriptorLeftItIsUnknownWhoIsAllowed) {
+  TemporaryFolder folder;
+  ASSERT_TRUE(allow_client(folder.path(), "headset-1", make_key_pair().public_z85));
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int lowest_free = ::dup(STDOUT_FILENO);
+  ::close(lowest_free);
+  const rlimit none{static_cast<rlim_t>(lowest_free), before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const auto unknown = allowed_clients(folder.path(), TrustOwnClient::No);
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_FALSE(unknown);
+  EXPECT_EQ(allowed_clients(folder.path(), TrustOwnClient::No)->size(), 1U);
 }
 
 TEST(Keys, AClientsNameCannotLeaveTheFolder) {

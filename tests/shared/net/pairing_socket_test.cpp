@@ -110,7 +110,7 @@ TEST(ClientList, ListsAndRevokesByName) {
   ASSERT_FALSE(unknown);
   EXPECT_NE(unknown.error().remedy.find("head-set-1-2"), std::string::npos);
   ASSERT_TRUE(revoke_client(keys.path(), "head-set-1"));
-  EXPECT_EQ(allowed_clients(keys.path(), false), std::vector<std::string>{two});
+  EXPECT_EQ(*allowed_clients(keys.path(), TrustOwnClient::No), std::vector<std::string>{two});
 }
 
 TEST(ClientList, NoNameLeavesTheFolder) {
