@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "server/exporter/exporter.h"
 #include "server/kernels/registry.h"
 #include "server/kernels/scene_timeline.h"
 #include "server/scene/load.h"
@@ -101,6 +102,7 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   Options told = options;
   told.keys.clear();  // travels in frames; where keys lie is nobody's business
   told.threads = 0;   // makes no difference to any frame
+  told.metrics.clear();
   config.description = one_line(describe(told));
   return config;
 }
@@ -128,10 +130,12 @@ void print_reach(const std::string& endpoint, const std::string& key_folder) {
             << key_folder << "' beside this server, then 'macula-client pair' there\n";
 }
 
-void serve(session::Server& server, const Options& options, StopSignal& stop) {
+void serve(session::Server& server, const exporter::Exporter* exporter, const Options& options,
+           StopSignal& stop) {
   constexpr std::chrono::seconds kReport{5};
   server.start();
   stop.serving();
+  if (exporter) std::cout << "metrics on port " << exporter->port() << "\n";
   print_reach(server.endpoint(), options.keys);
   std::cout << "ready on " << server.endpoint() << " public key " << server.public_key_z85()
             << std::endl;
@@ -186,7 +190,14 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned,
   }
   auto server = session::Server::create(std::move(config), std::move(parts));
   if (!server) return base::forward(server);
-  serve(**server, options, stop);
+  std::unique_ptr<exporter::Exporter> exporter;  // goes before the server it reads
+  if (!options.metrics.empty()) {
+    auto made = exporter::Exporter::create(options.metrics,
+                                           [&reported = **server] { return reported.telemetry(); });
+    if (!made) return base::forward(made);
+    exporter = std::move(*made);
+  }
+  serve(**server, exporter.get(), options, stop);
   return {};
 }
 

@@ -77,6 +77,9 @@ void declare(CLI::App& app, Options& options) {
                  "File for what arrives and when, to make the same frames again");
   app.add_option("--replay", options.replay,
                  "Make a recording's frames again, print each one's bytes and digest, and end");
+  app.add_option("--metrics", options.metrics,
+                 "ADDRESS:PORT where Prometheus may read rates and times, such as 127.0.0.1:9464; "
+                 "plain HTTP for whoever reaches it");
   app.add_flag("--verbose", options.verbose, "Log sessions and, every 5 s, rates and stage times");
 }
 
@@ -187,7 +190,8 @@ std::string describe(const Options& o) {
        << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
        << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
-       << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
+       << "\nmetrics = " << quoted(o.metrics) << "\nverbose = " << (o.verbose ? "true" : "false")
+       << '\n';
   return std::move(text).str();
 }
 

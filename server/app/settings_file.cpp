@@ -79,6 +79,7 @@ constexpr std::array kKeys{
     Key{"threads", apply<&Options::threads>},
     Key{"reuse", apply<&Options::reuse>},
     Key{"perceived_lights", apply<&Options::perceived_lights>},
+    Key{"metrics", apply<&Options::metrics>},
     Key{"verbose", apply<&Options::verbose>},
 };
 

@@ -36,6 +36,7 @@ embree server/visibility
 OpenEXR/ server/exr
 Imf server/exr
 opencv2/ server/filters
+prometheus/ server/exporter
 GLFW/ client/display/window
 epoxy/ client/display/gl tests/support/null_runtime
 openxr/ client/display/openxr tests/support/null_runtime
@@ -75,6 +76,7 @@ may_include() {  # sets `may`; processes cost more than all the rest
     server/kernels | server/kernels/*)
       may="$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/filters server/reconstruction server/sdf" ;;
     server/session) may="shared server/scene server/scheduling server/kernels" ;;
+    server/exporter) may="shared server/session" ;;
     server/app) may="shared server" ;;
     client/pose | client/reprojection) may="$pictures" ;;
     client/frames) may="$pictures shared/codec shared/net" ;;
