@@ -21,6 +21,7 @@ DisplayLoop::DisplayLoop(const ClientConfig& config, const LoopParts& parts)
       warps_(warp_options(config.warp), config.display == DisplayKind::OpenXr
                                             ? WarpStage::Depth::Keep
                                             : WarpStage::Depth::Leave),
+      late_start_(units::from_s(1.0 / config.refresh_hz)),
       last_news_(now()) {}
 
 display::RunEnd DisplayLoop::run() {
@@ -28,8 +29,9 @@ display::RunEnd DisplayLoop::run() {
     report_events();
     if (const auto reason = parts_.screen.poll()) return *reason;
     if (const auto reason = end_reason()) return *reason;
-    const auto refresh = parts_.screen.next_refresh();
+    auto refresh = parts_.screen.next_refresh();
     if (!refresh) continue;
+    begin_late(*refresh);
     const auto predicted = predict(*refresh);
     if (!predicted) return display::RunEnd::PosesEnded;
     const Nanoseconds until_display = refresh->display - refresh->begin;
@@ -52,6 +54,23 @@ std::optional<display::RunEnd> DisplayLoop::end_reason() const {
   const bool patient = config_.display != DisplayKind::Headless;
   if (!patient && now() - last_news_ > config_.silence_patience) return RunEnd::ServerSilent;
   return std::nullopt;
+}
+
+/// Meanwhile the server hears of the head, so that a frame begun now begins from a new one. A
+/// headset's runtime says itself when to begin.
+void DisplayLoop::begin_late(Refresh& refresh) {
+  if (config_.pacing != Pacing::RealTime || config_.display == DisplayKind::OpenXr) return;
+  constexpr Nanoseconds kViewEvery = std::chrono::milliseconds{4};
+  const ClientTime start = refresh.display - late_start_.lead();
+  while (start - now() > kViewEvery / 2) {
+    const auto head = parts_.poses.sample(now());
+    if (!head) return;
+    publish(*head, refresh.display - head->at);
+    sleep_for(std::min(kViewEvery, start - now()));
+  }
+  const Nanoseconds passed = now() - refresh.begin;
+  refresh.begin += passed;
+  refresh.pose_time += passed;
 }
 
 std::optional<DisplayLoop::Predicted> DisplayLoop::predict(const Refresh& refresh) {
@@ -121,6 +140,7 @@ void DisplayLoop::submit(const Refresh& refresh, const Gaze& gaze, Showing showi
   const ClientTime lit = parts_.screen.show(refresh, warps_.eyes(), gaze);
   sleep_for(config_.delays.present);
   showing.shown = lit + config_.delays.present;
+  late_start_.note(showing.reproject_end - refresh.begin, lit - refresh.display);
   parts_.log.note_shown(showing, parts_.endpoint.clock());
   parts_.screen.note(showing, parts_.log, parts_.endpoint);
   if (parts_.pictures != nullptr) parts_.pictures->show(count, pictures());

@@ -1,4 +1,5 @@
-// DisplayLoop: one turn a refresh, in five words. predict: sample the head and say where it will be
+// DisplayLoop: one turn a refresh, in six words. begin: as late as the warp allows; predict:
+// sample the head and say where it will be
 // when the display lights up; publish: tell the server; fetch: the newest decoded frame; reproject:
 // to the predicted pose; submit: at the display's time. Degrades and says so; never waits for the
 // network in real time.
@@ -7,6 +8,7 @@
 #include <atomic>
 
 #include "client/app/client_config.h"
+#include "client/app/late_start.h"
 #include "client/app/run_log.h"
 #include "client/app/screen.h"
 #include "client/app/warp_stage.h"
@@ -46,6 +48,8 @@ class DisplayLoop {
   };
   /// The reason to end, when there is one.
   std::optional<display::RunEnd> end_reason() const;
+  /// Waits as long as the warp leaves time to.
+  void begin_late(Refresh& refresh);
   std::optional<Predicted> predict(const Refresh& refresh);
   /// `until_display`: from the head's sample to the light of its refresh.
   void publish(const pose::HeadSample& head, Nanoseconds until_display);
@@ -60,6 +64,7 @@ class DisplayLoop {
   const LoopParts parts_;
   pose::Predictor predictor_;
   WarpStage warps_;
+  LateStart late_start_;
   frames::FramePtr last_frame_;
   ClientTime last_news_;  // when a new frame was last shown
   std::uint64_t sequence_ = 0;

@@ -188,6 +188,11 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned,
     if (!recorder) return base::forward(recorder);
     parts.recorder = std::move(*recorder);
   }
+  if (!options.report.empty()) {
+    auto log = session::FrameLog::create(options.report);
+    if (!log) return base::forward(log);
+    parts.log = std::move(*log);
+  }
   auto server = session::Server::create(std::move(config), std::move(parts));
   if (!server) return base::forward(server);
   std::unique_ptr<exporter::Exporter> exporter;  // goes before the server it reads

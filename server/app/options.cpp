@@ -75,6 +75,8 @@ void declare(CLI::App& app, Options& options) {
                "Kernel lightcuts: as many lights as the eye would see the difference, up to 48");
   app.add_option("--record", options.record,
                  "File for what arrives and when, to make the same frames again");
+  app.add_option("--report", options.report,
+                 "Folder for frames.csv, each frame's stage times and bytes, and report.json");
   app.add_option("--replay", options.replay,
                  "Make a recording's frames again, print each one's bytes and digest, and end");
   app.add_option("--metrics", options.metrics,

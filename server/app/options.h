@@ -30,6 +30,7 @@ struct Options {
   bool reuse = false;          ///< kernel ray takes cells from earlier frames where they still hold
   bool perceived_lights = false;  ///< kernel lightcuts asks as many lights as the eye would see
   std::string record;             ///< file that what arrives is written to; empty: none
+  std::string report;             ///< folder for what became of each frame; empty: nowhere
   std::string replay;             ///< recording to make again instead of serving; empty: serve
   std::string metrics;            ///< ADDRESS:PORT that Prometheus may read; empty: none
   bool explain = false, list_scenes = false, verbose = false;

@@ -32,6 +32,12 @@ std::optional<T> next_of(base::Channel<T>& channel) {
   }
 }
 
+/// Where the encoder would take its threads' cores from the renderer, no more frames are made by
+/// doing both at once, and each one later.
+bool can_overlap(const ServerConfig& config, const scheduling::TileScheduler& scheduler) {
+  return scheduler.threads() > config.encode_threads;
+}
+
 template <class T>
 void push_recent(std::vector<T>& recent, T value) {
   if (recent.size() == kRecentFrames) recent.erase(recent.begin());
@@ -83,6 +89,7 @@ Server::Server(ServerConfig config, ServerParts parts)
       parts_(std::move(parts)),
       render_stage_(config_, parts_.scene, parts_.kernel, parts_.scheduler, *parts_.clock),
       encode_stage_(config_, *parts_.clock),
+      overlaps_(can_overlap(config_, *parts_.scheduler)),
       free_jobs_(kJobs),
       rendered_(kJobs),
       table_(rules_of(config_), config_.offer, parts_.random) {
@@ -108,6 +115,9 @@ void Server::stop() {
   rendered_.close();
   for (std::thread* thread : {&control_, &render_, &encode_})
     if (thread->joinable()) thread->join();
+  if (!parts_.log) return;
+  if (const auto written = parts_.log->finish(telemetry()); !written)
+    base::log_warning(written.error().message());
 }
 
 void Server::control_loop() {
@@ -133,6 +143,8 @@ void Server::control_loop() {
 void Server::take(const net::ServerEvent& event) {
   if (const auto* sent = std::get_if<net::FrameSent>(&event); sent != nullptr && !sent->lost)
     push_recent(telemetry_.recent_send_ms, units::to_ms(sent->end - sent->begin));
+  if (const auto* sent = std::get_if<net::FrameSent>(&event); sent != nullptr && parts_.log)
+    parts_.log->on_sent(*sent);
   carry_out(table_.handle(event, now()));
 }
 
@@ -149,7 +161,8 @@ std::optional<Server::NextFrame> Server::wait_for_frame() {
   std::unique_lock lock(mutex_);
   for (;;) {
     if (stopping_) return std::nullopt;
-    if (auto start = table_.next_frame(now())) {
+    const bool waits = encoding_ && !overlaps_;
+    if (auto start = waits ? std::nullopt : table_.next_frame(now())) {
       rendering_.emplace(Rendering{start->key, {}});
       auto memory = memory_of(start->key);
       return NextFrame{std::move(*start), std::move(memory), rendering_->stop.get_token()};
@@ -183,6 +196,7 @@ void Server::render(Job job, NextFrame next) {
     std::lock_guard lock(mutex_);
     rendering_.reset();
     table_.on_rendered(key, now() - begun);
+    encoding_ = encoding_ || rendered;
     if (rendered) {
       ++telemetry_.frames_rendered;
       telemetry_.rays += job->report.primary_rays + job->report.shadow_rays;
@@ -220,9 +234,11 @@ void Server::encode_loop() {
 void Server::finish_encoding(const FrameJob& job, Result<net::EncodedFrame> encoded) {
   const FrameKey key = job.start.key;
   std::lock_guard lock(mutex_);
+  encoding_ = false;
   if (!encoded) return give_up(key, encoded.error().message());
   ++telemetry_.frames_encoded;
   push_recent(telemetry_.recent, stage_times(job));
+  if (parts_.log) parts_.log->add(job);
   if (!table_.expects(key)) return;
   outbox_.emplace(key, std::move(*encoded));
   carry_out(table_.on_frame_ready(key, now(), job.encoded));

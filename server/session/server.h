@@ -1,8 +1,9 @@
 // The server at work: three threads drive the session table. Control waits for the network's
 // events, render takes the newest view of the next session and runs the kernel, encode packs the
-// frame before; rendering frame n + 1 overlaps encoding frame n. Frames leave when their session
-// has credit. The table sits behind one mutex that is never held while rendering, encoding or
-// waiting.
+// frame before. Rendering frame n + 1 overlaps encoding frame n where there are more cores than the
+// encoder takes; else n is encoded first, and n + 1 starts from a newer view. Frames leave when
+// their session has credit. The table sits behind one mutex that is never held while rendering,
+// encoding or waiting.
 #pragma once
 
 #include <condition_variable>
@@ -16,6 +17,7 @@
 #include "server/session/config.h"
 #include "server/session/encode_stage.h"
 #include "server/session/frame_job.h"
+#include "server/session/frame_log.h"
 #include "server/session/recording.h"
 #include "server/session/render_stage.h"
 #include "server/session/session_table.h"
@@ -32,6 +34,7 @@ struct ServerParts {
   std::shared_ptr<scheduling::TileScheduler> scheduler;
   const base::Clock* clock = nullptr;
   std::unique_ptr<Recorder> recorder{};  ///< null: nothing is recorded
+  std::unique_ptr<FrameLog> log{};       ///< null: frames are not listed
   SessionTable::RandomBits random;
 };
 
@@ -89,6 +92,7 @@ class Server {
   ServerParts parts_;
   RenderStage render_stage_;
   EncodeStage encode_stage_;
+  const bool overlaps_;  ///< a frame may render while the one before it is encoded
   base::Channel<Job> free_jobs_, rendered_;
 
   mutable std::mutex mutex_;
@@ -99,6 +103,7 @@ class Server {
   std::map<std::uint64_t, std::shared_ptr<RenderMemory>> memories_;  ///< by session
   std::optional<Rendering> rendering_;
   bool session_ended_ = false;  ///< since the control loop last looked
+  bool encoding_ = false;       ///< with overlap, of one frame at least
   Telemetry telemetry_;
 
   std::thread control_, render_, encode_;

@@ -47,16 +47,20 @@ class Planes {
     luma_.resize(stride_ * height_);
     cb_.resize(luma_.size() / 4);
     cr_.resize(luma_.size() / 4);
-    upper_.resize(stride_);
-    lower_.resize(stride_);
   }
   /// The picture, its last column and row repeated over the rest.
   void fill(const image::Plane<Rgb8>& picture) {
+    // Whole vectors are read in place; only what reaches over the picture's edge is copied first.
+    const std::size_t whole =
+        static_cast<std::size_t>(picture.width()) / kYuvRowPixels * kYuvRowPixels;
     for (std::size_t y = 0; y < height_; y += 2) {
-      copy_row(picture, y, upper_);
-      copy_row(picture, y + 1, lower_);
-      rows_to_yuv(upper_.data(), lower_.data(), stride_, &luma_[y * stride_],
-                  &luma_[(y + 1) * stride_], &cb_[y / 2 * stride_ / 2], &cr_[y / 2 * stride_ / 2]);
+      const Rgb8* const upper = row_of(picture, y);
+      const Rgb8* const lower = row_of(picture, y + 1);
+      convert(upper, lower, 0, whole, y);
+      if (whole == stride_) continue;
+      fill_row(picture, upper + whole, whole, upper_);
+      fill_row(picture, lower + whole, whole, lower_);
+      convert(upper_.data(), lower_.data(), whole, stride_ - whole, y);
     }
   }
   void describe(x264_image_t& image) {
@@ -70,10 +74,23 @@ class Planes {
   }
 
  private:
-  static void copy_row(const image::Plane<Rgb8>& picture, std::size_t y, std::vector<Rgb8>& row) {
-    const auto from = picture.row(std::min(static_cast<int>(y), picture.height() - 1));
-    std::copy(from.begin(), from.end(), row.begin());
-    std::fill(row.begin() + static_cast<std::ptrdiff_t>(from.size()), row.end(), from.back());
+  static const Rgb8* row_of(const image::Plane<Rgb8>& picture, std::size_t y) {
+    return picture.row(std::min(static_cast<int>(y), picture.height() - 1)).data();
+  }
+  /// The row's pixels from column `first` on, which `from` points to, and its last one repeated.
+  void fill_row(const image::Plane<Rgb8>& picture, const Rgb8* from, std::size_t first,
+                std::vector<Rgb8>& row) const {
+    const std::size_t left = static_cast<std::size_t>(picture.width()) - first;
+    const Rgb8 last = from[static_cast<std::ptrdiff_t>(left) - 1];
+    row.assign(stride_ - first, last);
+    std::copy(from, from + left, row.begin());
+  }
+  /// Pixels [first, first + count) of rows y and y + 1.
+  void convert(const Rgb8* upper, const Rgb8* lower, std::size_t first, std::size_t count,
+               std::size_t y) {
+    const std::size_t luma = y * stride_ + first, chroma = (y / 2 * stride_ + first) / 2;
+    rows_to_yuv(upper, lower, count, &luma_[luma], &luma_[luma + stride_], &cb_[chroma],
+                &cr_[chroma]);
   }
 
   std::size_t stride_ = 0, height_ = 0;

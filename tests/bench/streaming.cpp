@@ -354,6 +354,30 @@ double fresh_age_p95_ms(const Viewed& viewed) {
   return ages.quantile(0.95);
 }
 
+/// "uplink_p50_ms", "uplink_p95_ms", ... of frames when first shown.
+void add_stages(const Viewed& viewed, Fields& row) {
+  for (std::size_t i = 0; i < frames::kStageCount; ++i) {
+    const auto stage = static_cast<frames::Stage>(i);
+    frames::Series ms;
+    for (const auto& account : viewed.accounts) ms.add(units::to_ms(account.times[stage]));
+    const std::string name = frames::name(stage);
+    row.emplace_back(name + "_p50_ms", ms.quantile(0.5));
+    row.emplace_back(name + "_p95_ms", ms.quantile(0.95));
+  }
+}
+
+/// The stages are a table of their own below the other figures.
+void print_tables(const std::vector<Fields>& rows) {
+  constexpr std::ptrdiff_t kStages = 2 * frames::kStageCount, kNames = 2;  // source and link
+  std::vector<Fields> figures, stages;
+  for (const Fields& row : rows) {
+    figures.emplace_back(row.begin(), row.end() - kStages);
+    Fields& stage = stages.emplace_back(row.begin(), row.begin() + kNames);
+    stage.insert(stage.end(), row.end() - kStages, row.end());
+  }
+  std::fputs((table_text(figures) + "\n" + table_text(stages)).c_str(), stdout);
+}
+
 struct Run {
   Viewed viewed;
   session::Telemetry telemetry;
@@ -457,7 +481,9 @@ Result<Fields> run_link(const StreamingOptions& options, const Source& source,
     run.codec = kNames[static_cast<int>(run.viewed.samples.back()->begin.slices[0].codec)];
   }
   (*server)->stop();
-  return row_of(options, link, script, run, judge(run.viewed, source, display));
+  Fields row = row_of(options, link, script, run, judge(run.viewed, source, display));
+  add_stages(run.viewed, row);
+  return row;
 }
 
 Result<std::vector<StreamingLink>> wanted_links(const StreamingOptions& options) {
@@ -510,7 +536,7 @@ Result<void> run_streaming(const StreamingOptions& options) {
     if (!row) return forward(row);
     report.rows.push_back(std::move(*row));
   }
-  std::fputs(table_text(report.rows).c_str(), stdout);
+  print_tables(report.rows);
   return options.json.empty() ? Result<void>{} : write_json(options.json, report);
 }
 

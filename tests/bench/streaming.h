@@ -4,14 +4,15 @@
 //   age_p99_ms gaze_age_p95_ms kbps bytes_per_frame encode_cpu_ms decode_cpu_ms psnr_f10_db
 //   psnr_out10_db gp_psnr_db closure_error_max_ms clock_error_max_ms clock_bound_broken
 //   recovery_ms slow_age_p95_ms stall_max_ms cells_pct fresh_age_p95_ms
-//   render_p95_ms render_p50_ms credit_wait_p50_ms
+//   render_p95_ms render_p50_ms credit_wait_p50_ms, and <stage>_p50_ms <stage>_p95_ms of each stage
 // A frame is rendered, encoded, waits for its credit and crosses the link: transit is from its
 // hand-over to the network to its last byte. Ages are from reading the pose (or gaze) behind a
 // frame to the refresh that shows it, of every refresh; fresh_age_p95_ms of frames when first
-// shown. Both ends read one clock here, so the true clock offset is 0. recovery_ms: from the end of
-// the link's own outage to the first new frame shown. PSNR is of cells against the source, gp_psnr
-// of the picture warped to the frame's own pose against the source on the display's raster; both of
-// a few frames, of eye 0, where the source is `pattern`.
+// shown. The viewer fetches frames 5 ms before the light, as a warp would, and tells its head every
+// 4 ms until then. Both ends read one clock here, so the true clock offset is 0. recovery_ms: from
+// the end of the link's own outage to the first new frame shown. PSNR is of cells against the
+// source, gp_psnr of the picture warped to the frame's own pose against the source on the display's
+// raster; both of a few frames, of eye 0, where the source is `pattern`.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 #include "tests/bench/streaming_viewer.h"
 
+#include <algorithm>
 #include <thread>
 
 #include "client/app/refresh_clock.h"
@@ -8,6 +9,8 @@ namespace macula::bench {
 namespace {
 
 constexpr double kRefreshHz = 72.0;
+constexpr Nanoseconds kViewEvery = std::chrono::milliseconds{4};
+constexpr Nanoseconds kWarp = std::chrono::milliseconds{5};  // left for what it does not do
 
 /// Decodes on a thread of its own, as client_app::FrameReceiver does, and counts besides.
 class Receiver {
@@ -91,6 +94,20 @@ net::ViewState view_of(const client_app::EyeRig& rig, const pose::HeadSample& he
   return view;
 }
 
+/// As DisplayLoop does until its warp must begin: a frame begun meanwhile begins from a new head.
+void publish_meanwhile(net::ClientEndpoint& endpoint, const base::Clock& clock,
+                       const client_app::EyeRig& rig, pose::TraceSource& poses,
+                       const client_app::Refresh& refresh, std::uint64_t& sequence) {
+  const ClientTime end = refresh.display - kWarp;
+  for (ClientTime now{clock.now()}; now < end; now = ClientTime{clock.now()}) {
+    std::this_thread::sleep_for(std::min<Nanoseconds>(kViewEvery, end - now));
+    auto head = poses.sample(ClientTime{clock.now()});
+    if (!head) return;
+    head->at = head->gaze_at = ClientTime{clock.now()};
+    endpoint.publish(view_of(rig, *head, ++sequence, refresh.display - head->at));
+  }
+}
+
 void note_clock(const net::ClientEndpoint& endpoint, Viewed& viewed) {
   const auto estimate = endpoint.clock();
   if (!estimate) return;
@@ -132,6 +149,8 @@ Viewed view_stream(net::ClientEndpoint& endpoint, const base::Clock& clock,
     endpoint.publish(view_of(rig, *head, sequence, refresh.display - refresh.begin));
     while (endpoint.take_event()) {
     }
+    publish_meanwhile(endpoint, clock, rig, poses, refresh, sequence);
+    const ClientTime begin{clock.now()};
     const frames::FramePtr frame = receiver.store().newest();
     refreshes.wait_for_display(refresh);
     const ClientTime shown{clock.now()};
@@ -148,7 +167,7 @@ Viewed view_stream(net::ClientEndpoint& endpoint, const base::Clock& clock,
     viewed.refresh_at.push_back(shown);
     viewed.age_ms_by_refresh.push_back(units::to_ms(shown - frame->begin.view_sampled));
     note_clock(endpoint, viewed);
-    if (frame != last) note_first_showing(frame, refresh.begin, shown, endpoint, book, viewed);
+    if (frame != last) note_first_showing(frame, begin, shown, endpoint, book, viewed);
     last = frame;
     viewed.duration_s = passed_s;
   }

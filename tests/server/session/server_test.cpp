@@ -108,6 +108,7 @@ class ServerTest : public testing::Test {
   void serve(const StageDelays& delays = {}, std::size_t tiles = 1, Nanoseconds tile_time = 1ms) {
     ServerConfig config;
     config.delays = delays;
+    config.encode_threads = encode_threads_;
     config.description = "as the test says";
     auto scene = scene::load_scene("cornell");
     ASSERT_TRUE(scene) << scene.error().message();
@@ -148,6 +149,7 @@ class ServerTest : public testing::Test {
   std::shared_ptr<Wire> wire_ = std::make_shared<Wire>();
   std::unique_ptr<Server> server_;
   std::uint64_t sequence_ = 0;
+  int encode_threads_ = 1;
 };
 
 TEST_F(ServerTest, FramesCarryEverythingTheyWereMadeWith) {
@@ -211,6 +213,17 @@ TEST_F(ServerTest, RendersTheNextFrameWhileEncodingTheLast) {
   for (std::size_t i = 1; i < frames.size(); ++i)
     overlaps += frames[i].end.render_begin < frames[i - 1].end.encode_end ? 1 : 0;
   EXPECT_GE(overlaps, 5);
+}
+
+TEST_F(ServerTest, EncodesAFrameFirstWhereTheNextOneWouldTakeItsCores) {
+  encode_threads_ = 2;  // as many as the renderer has
+  serve({.render = 10ms, .encode = 20ms});
+  const auto frames = stream(connect().epoch, 6);
+  ASSERT_GE(frames.size(), 6U);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    EXPECT_GE(frames[i].end.render_begin, frames[i - 1].end.encode_end) << "frame " << i;
+    EXPECT_GE(frames[i].end.view_received, frames[i - 1].end.render_begin) << "a newer view";
+  }
 }
 
 TEST_F(ServerTest, AClientThatLeavesFreesTheRenderThreads) {
