@@ -65,14 +65,41 @@ TEST(Options, SubcommandsTakeTheKeyFolderBeforeAndAfter) {
 }
 
 TEST(Options, EveryOptionLandsInItsField) {
-  const Options o = parsed(
-      {"--scene",        "posts", "--kernel",          "brute",    "--bind",       "tcp://*:1",
-       "--keys",         "k",     "--target-ms",       "12.5",     "--rate-model", "sphere",
-       "--oversampling", "1.5",   "--codec",           "lossless", "--quality",    "70",
-       "--area-samples", "3",     "--ambient-samples", "0",        "--threads",    "2",
-       "--guard-deg",    "7.5",   "--predict-ms",      "60",       "--explain",    "--reuse",
-       "--verbose"});
+  const Options o = parsed({"--scene",
+                            "posts",
+                            "--kernel",
+                            "brute",
+                            "--bind",
+                            "tcp://*:1",
+                            "--keys",
+                            "k",
+                            "--target-ms",
+                            "12.5",
+                            "--rate-model",
+                            "sphere",
+                            "--oversampling",
+                            "1.5",
+                            "--codec",
+                            "lossless",
+                            "--quality",
+                            "70",
+                            "--area-samples",
+                            "3",
+                            "--ambient-samples",
+                            "0",
+                            "--threads",
+                            "2",
+                            "--guard-deg",
+                            "7.5",
+                            "--predict-ms",
+                            "60",
+                            "--explain",
+                            "--reuse",
+                            "--verbose",
+                            "--report",
+                            "r"});
   EXPECT_EQ(o.scene, "posts");
+  EXPECT_EQ(o.report, "r");
   EXPECT_EQ(o.kernel, "brute");
   EXPECT_EQ(o.bind, "tcp://*:1");
   EXPECT_EQ(o.keys, "k");

@@ -4,12 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "shared/foveation/eccentricity.h"
 #include "shared/foveation/pixel_grid.h"
-#include "tests/support/handed_data.h"
+#include "tests/support/recorded_gazes.h"
 
 namespace macula::foveation {
 namespace {
@@ -136,26 +134,6 @@ TEST(GazeFollower, NonsenseIsALostGaze) {
   EXPECT_NEAR(yaw_deg(follower.follow(0ms).gaze), 0.0, 1e-6);
 }
 
-struct Recorded {
-  double t_s = 0.0;
-  Vec3 gaze{0.0F};
-};
-std::vector<Recorded> load(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  std::vector<Recorded> samples;
-  while (std::getline(file, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream text(line);
-    double t = 0.0, skip = 0.0;
-    Vec3 g{0.0F};
-    text >> t;
-    for (int i = 0; i < 7; ++i) text >> skip;
-    if (text >> g.x >> g.y >> g.z) samples.push_back({t, glm::normalize(g)});
-  }
-  return samples;
-}
 double degrees(const Vec3& a, const Vec3& b) {
   return Degrees{eccentricity(a, b)}.value();
 }
@@ -165,7 +143,7 @@ double degrees(const Vec3& a, const Vec3& b) {
 struct Misses {
   double frames = 0.0, fixed = 0.0, grown = 0.0, fixed_cells = 0.0, grown_cells = 0.0;
 };
-void count_misses(const std::vector<Recorded>& samples, Degrees base, Misses& misses) {
+void count_misses(const std::vector<test::RecordedGaze>& samples, Degrees base, Misses& misses) {
   const Display display{math::symmetric_fov(Degrees{90.0}, 1.0), 720, 720};
   const auto cells = [&](const FollowedGaze& followed, Degrees radius) {
     const PixelGrid grid =
@@ -194,15 +172,13 @@ void count_misses(const std::vector<Recorded>& samples, Degrees base, Misses& mi
   }
 }
 
-// Cells stand for bytes here; macula-bench streaming weighs them.
+// Cells stand for bytes here; GazeBytes weighs them.
 TEST(GazeFollower, OnRecordedGazesTheGrownDiscIsLeftAThirdAsOftenForAThirdMoreCells) {
   MACULA_NEEDS_HANDED_DATA("traces");
   for (const double base : {2.0, 3.0, 5.0}) {
     Misses misses;
-    for (const auto& entry : std::filesystem::directory_iterator(test::handed_data() / "traces")) {
-      const std::string name = entry.path().filename().string();
-      if (name.rfind("eyenavgs", 0) == 0) count_misses(load(entry.path()), Degrees{base}, misses);
-    }
+    for (const auto& file : test::recorded_gazes())
+      count_misses(test::load_gazes(file), Degrees{base}, misses);
     std::printf("base %.0f deg: %.0f frames, outside %.3f %% fixed, %.3f %% grown; cells x %.3f\n",
                 base, misses.frames, 100.0 * misses.fixed / misses.frames,
                 100.0 * misses.grown / misses.frames, misses.grown_cells / misses.fixed_cells);
