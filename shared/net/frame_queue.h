@@ -4,11 +4,9 @@
 // start from a key frame. Thread-safe.
 #pragma once
 
-#include <condition_variable>
-#include <deque>
-#include <mutex>
 #include <optional>
 
+#include "shared/base/mailbox.h"
 #include "shared/net/client_endpoint.h"
 
 namespace macula::net {
@@ -21,14 +19,11 @@ class FrameQueue {
   /// Overflowed: this frame and all that waited are dropped.
   Put put(ReceivedFrame frame);
   /// The oldest, or nullopt after `timeout` or close().
-  std::optional<ReceivedFrame> wait(Nanoseconds timeout);
-  void close();
+  std::optional<ReceivedFrame> wait(Nanoseconds timeout) { return queue_.wait(timeout); }
+  void close() { queue_.close(); }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::deque<ReceivedFrame> frames_;
-  bool closed_ = false;
+  base::WaitingQueue<ReceivedFrame> queue_;
 };
 
 }  // namespace macula::net

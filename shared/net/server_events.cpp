@@ -30,36 +30,19 @@ ViewReceived merge(const ViewReceived& older, ViewReceived newer) {
 }
 
 void ServerEvents::put(ServerEvent event) {
-  {
-    std::lock_guard lock(mutex_);
+  queue_.change([&](std::deque<ServerEvent>& events, bool) {
     const bool every_one_counts = std::holds_alternative<FrameSent>(event);
-    const auto waiting = std::find_if(events_.begin(), events_.end(), [&](const ServerEvent& e) {
+    const auto waiting = std::find_if(events.begin(), events.end(), [&](const ServerEvent& e) {
       return e.index() == event.index() && peer_of(e) == peer_of(event);
     });
-    if (every_one_counts || waiting == events_.end()) {
-      events_.push_back(std::move(event));
+    const bool is_new = every_one_counts || waiting == events.end();
+    if (is_new) {
+      events.push_back(std::move(event));
     } else {
       replace(*waiting, std::move(event));
     }
-  }
-  arrived_.notify_one();
-}
-
-std::optional<ServerEvent> ServerEvents::wait(Nanoseconds timeout) {
-  std::unique_lock lock(mutex_);
-  arrived_.wait_for(lock, timeout, [this] { return !events_.empty() || closed_; });
-  if (events_.empty()) return std::nullopt;
-  std::optional<ServerEvent> event(std::move(events_.front()));
-  events_.pop_front();
-  return event;
-}
-
-void ServerEvents::close() {
-  {
-    std::lock_guard lock(mutex_);
-    closed_ = true;
-  }
-  arrived_.notify_all();
+    return is_new;
+  });
 }
 
 }  // namespace macula::net

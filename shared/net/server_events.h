@@ -3,11 +3,9 @@
 // and frames, and never by how fast a client sends. Thread-safe.
 #pragma once
 
-#include <condition_variable>
-#include <deque>
-#include <mutex>
 #include <optional>
 
+#include "shared/base/mailbox.h"
 #include "shared/net/server_endpoint.h"
 
 namespace macula::net {
@@ -16,14 +14,11 @@ class ServerEvents {
  public:
   void put(ServerEvent event);
   /// The oldest, or nullopt after `timeout` or close().
-  std::optional<ServerEvent> wait(Nanoseconds timeout);
-  void close();
+  std::optional<ServerEvent> wait(Nanoseconds timeout) { return queue_.wait(timeout); }
+  void close() { queue_.close(); }
 
  private:
-  std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::deque<ServerEvent> events_;
-  bool closed_ = false;
+  base::WaitingQueue<ServerEvent> queue_;
 };
 
 /// `newer` on top of `older`, both of one peer: acks are cumulative, a view stays until a newer one

@@ -14,6 +14,7 @@
 #include "shared/base/result.h"
 #include "shared/net/messages.h"
 #include "shared/net/outgoing.h"
+#include "shared/net/received_bytes.h"
 #include "shared/net/wakeup.h"
 
 namespace macula::net {
@@ -111,17 +112,6 @@ class Monitor {
  private:
   Socket& watched_;
   Socket events_;
-};
-
-/// While it lives, ThreadSanitizer does not check this thread's memory accesses: libzmq hands
-/// received bytes to us by means the sanitizer cannot see. Only for reading a message; nothing in
-/// other builds.
-class ReadingReceivedBytes {
- public:
-  ReadingReceivedBytes();
-  ~ReadingReceivedBytes();
-  ReadingReceivedBytes(const ReadingReceivedBytes&) = delete;
-  ReadingReceivedBytes& operator=(const ReadingReceivedBytes&) = delete;
 };
 
 /// Sleeps until one of the descriptors is readable.
