@@ -138,9 +138,11 @@ class EndpointClient {
   }
   void take(std::chrono::milliseconds wait) {
     if (auto frame = endpoint_->wait_frame(wait)) frames_.push_back(std::move(*frame));
-    while (auto event = endpoint_->take_event())
+    while (auto event = endpoint_->take_event()) {
+      if (std::holds_alternative<net::Stale>(*event)) ++stales_;
       if (const auto* welcomed = std::get_if<net::Welcomed>(&*event))
         welcomes_.push_back(*welcomed);
+    }
   }
   /// Steps until `done`; false after a patience that only ends a test that hangs.
   bool step_until(const std::function<bool()>& done, std::chrono::seconds patience = 60s) {
@@ -158,6 +160,7 @@ class EndpointClient {
   net::ClientEndpoint& endpoint() { return *endpoint_; }
   const std::vector<net::ReceivedFrame>& frames() const { return frames_; }
   const std::vector<net::Welcomed>& welcomes() const { return welcomes_; }
+  int stales() const { return stales_; }  ///< how often nothing had come for half a second
 
   /// The head turns slowly, the gaze wanders.
   net::ViewState next_view() {
@@ -184,6 +187,7 @@ class EndpointClient {
   std::unique_ptr<net::ClientEndpoint> endpoint_;
   std::vector<net::ReceivedFrame> frames_;
   std::vector<net::Welcomed> welcomes_;
+  int stales_ = 0;
   std::uint64_t sequence_ = 0;
 };
 
