@@ -15,8 +15,7 @@ namespace macula::net {
 
 class OpenConnections {
  public:
-  /// Clients are never silent for longer than half a second, and libzmq ends a handshake after two.
-  static constexpr std::chrono::seconds kMostSilence{15};
+  explicit OpenConnections(std::chrono::milliseconds most_silence) : most_silence_(most_silence) {}
 
   void on(const MonitorEvent& event, SteadyTime now) {
     if (event.event == ZMQ_EVENT_ACCEPTED) open_[event.value] = {now, false};
@@ -36,7 +35,7 @@ class OpenConnections {
   std::vector<int> take_silent(SteadyTime now) {
     std::vector<int> silent;
     for (auto& [descriptor, connection] : open_) {
-      if (now - connection.last_heard < kMostSilence) continue;
+      if (now - connection.last_heard < most_silence_) continue;
       connection.last_heard = now;
       silent.push_back(descriptor);
     }
@@ -51,6 +50,7 @@ class OpenConnections {
     SteadyTime last_heard;  ///< or when it was accepted
     bool has_spoken = false;
   };
+  const std::chrono::milliseconds most_silence_;
   std::map<int, Connection> open_;  ///< by descriptor
   std::uint64_t ended_mute_ = 0;
 };

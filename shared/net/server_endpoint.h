@@ -68,6 +68,9 @@ struct ServerEndpointOptions {
   std::string key_folder;
   std::string zap_domain = "macula";
   Limits limits;
+  /// A connection over which nothing comes for so long is closed. Clients are never silent for
+  /// longer than half a second, and libzmq ends a handshake after two.
+  std::chrono::milliseconds most_silence{15'000};
   ServerDelays delays;
 };
 

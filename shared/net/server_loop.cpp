@@ -40,7 +40,10 @@ constexpr int kWatchedEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED;
 }  // namespace
 
 ServerLoop::ServerLoop(const ServerEndpointOptions& options, const base::Clock& clock)
-    : options_(options), clock_(clock), zap_(context_, options.key_folder, options.zap_domain) {}
+    : options_(options),
+      clock_(clock),
+      zap_(context_, options.key_folder, options.zap_domain),
+      connections_(options.most_silence) {}
 
 Result<std::unique_ptr<ServerLoop>> ServerLoop::create(const ServerEndpointOptions& options,
                                                        const base::Clock& clock) {

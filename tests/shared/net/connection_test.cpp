@@ -1,5 +1,3 @@
-#include <dirent.h>
-
 #include "shared/net/wire.h"
 #include "tests/shared/net/net_fixture.h"
 
@@ -177,14 +175,6 @@ TEST_F(Connection, FramesOfAnotherEpochAreNotShown) {
   const auto frame = client->wait_frame(20s);
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->begin.epoch, server_.epoch());
-}
-
-int open_descriptors() {
-  int count = 0;
-  DIR* const folder = ::opendir("/proc/self/fd");
-  while (::readdir(folder) != nullptr) ++count;
-  ::closedir(folder);
-  return count;
 }
 
 TEST_F(Connection, EndpointsLeaveNoDescriptorBehind) {

@@ -138,11 +138,11 @@ TEST(DamagedLink, BringsNoDamagedFrame) {
   EXPECT_EQ(damaged, 0U);
   std::sort(waits_ms.begin(), waits_ms.end());
   EXPECT_LE(waits_ms[waits_ms.size() / 2], 1000.0);
-  macula::test::note_fault("flipped bits over sockets",
-                   "0 damaged frames in 500 (8 in every test run), <= 1 s",
-                   base::concat((*proxy)->bits_flipped(), " flips, ", frames, " frames, ", damaged,
-                                " damaged; longest wait: median ", waits_ms[waits_ms.size() / 2],
-                                " ms, p95 ", waits_ms[waits_ms.size() * 95 / 100], " ms"));
+  macula::test::note_fault(
+      "flipped bits over sockets", "0 damaged frames in 500 (8 in every test run), <= 1 s",
+      base::concat((*proxy)->bits_flipped(), " flips, ", frames, " frames, ", damaged,
+                   " damaged; longest wait: median ", waits_ms[waits_ms.size() / 2], " ms, p95 ",
+                   waits_ms[waits_ms.size() * 95 / 100], " ms"));
 }
 
 TEST_P(Faults, AStallIsNoticedAndRecoveredFrom) {
@@ -164,6 +164,36 @@ INSTANTIATE_TEST_SUITE_P(BothWays, Faults,
                          [](const auto& direction) {
                            return direction.param == Direction::ToServer ? "ToServer" : "ToClient";
                          });
+
+/// A peer that vanishes behind something that keeps TCP alive: nothing comes and nothing fails.
+/// Whether the server lets go of a descriptor within three seconds.
+bool is_let_go_of(std::chrono::milliseconds most_silence) {
+  TemporaryFolder keys;
+  base::SteadyClock clock;
+  ServerEndpointOptions options;
+  options.bind = "tcp://127.0.0.1:*";
+  options.key_folder = keys.path();
+  options.most_silence = most_silence;
+  const auto server = ServerEndpoint::create(options, clock);
+  EXPECT_TRUE(server);
+  auto proxy = ChaosProxy::create((*server)->endpoint());
+  EXPECT_TRUE(proxy);
+  auto client = make_client(client_options((*proxy)->endpoint(), keys.path()));
+  EXPECT_TRUE((*server)->wait(20s));  // its Hello
+  (*proxy)->leave_half_open();
+  client.reset();
+  std::this_thread::sleep_for(300ms);  // the client's own descriptors are gone
+  const int held = open_descriptors();
+  return eventually([&] { return open_descriptors() < held; }, 3s);
+}
+
+TEST(SilentConnection, IsClosedByTheServer) {
+  EXPECT_TRUE(is_let_go_of(1s));
+}
+
+TEST(SilentConnection, WouldStayOpenIfSilenceWereAllowed) {
+  EXPECT_FALSE(is_let_go_of(1h));
+}
 
 TEST(Recovery, ACutConnectionIsRecoveredFromWithinASecond) {
   TemporaryFolder keys;

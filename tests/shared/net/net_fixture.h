@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <iterator>
 #include <random>
 #include <string>
 #include <thread>
@@ -32,6 +33,12 @@ class TemporaryFolder {
  private:
   std::string path_;
 };
+
+/// Of this process.
+inline int open_descriptors() {
+  const std::filesystem::directory_iterator open("/proc/self/fd");
+  return static_cast<int>(std::distance(open, std::filesystem::directory_iterator()));
+}
 
 inline foveation::Display small_display() {
   return {math::symmetric_fov(Degrees{90.0}, 1.0), 64, 64};

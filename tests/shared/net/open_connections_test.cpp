@@ -10,7 +10,7 @@ using std::chrono::seconds;
 constexpr SteadyTime kStart{std::chrono::hours{1}};
 
 OpenConnections five_accepted() {
-  OpenConnections connections;
+  OpenConnections connections(seconds{15});
   for (int fd = 10; fd < 15; ++fd) connections.on({ZMQ_EVENT_ACCEPTED, fd}, kStart);
   return connections;
 }
