@@ -67,7 +67,8 @@ EncodeStage::Plan EncodeStage::plan(const FrameJob& job) const {
   plan.h264.quantiser =
       std::clamp(h264_quantiser(asked) + (plan.sees_saccade ? kSaccadeQuantiser : 0.0), 0.0, 51.0);
   plan.h264.most_bytes = quality.bytes.color_bytes / std::max<std::size_t>(job.views.size(), 1);
-  plan.h264.burst = landed ? Wish::Burst::Yes : Wish::Burst::No;
+  // x264's buffer fills with what frames leave, so a saccade must keep what its landing takes.
+  plan.h264.burst = plan.sees_saccade || landed ? Wish::Burst::Yes : Wish::Burst::No;
   plan.h264.now = job.start.view_received.time_since_epoch();
   return plan;
 }

@@ -37,7 +37,8 @@ class H264Encoder {
     Kind kind = Kind::Delta;     ///< Key where the receiver has lost a frame
     double quantiser = 23.0;     ///< x264's rate factor, 0..51; 6 more halve the bytes, about
     std::size_t most_bytes = 0;  ///< of one frame, on average over two; 0: no bound
-    /// This frame may have twice as many, as after a step of the grid.
+    /// What this frame leaves of its bytes is kept for the next ones, and it may take what was kept:
+    /// up to twice its own. For a saccade and its landing, and after a step of the grid.
     enum class Burst { No, Yes };
     Burst burst = Burst::No;
     /// Added to the quantiser, row by row of the frame's own macroblocks (rounded up); empty: none.

@@ -167,6 +167,25 @@ TEST_F(H264, BytesStayWithinTheirBoundAndTheBoundMayChange) {
   EXPECT_GT(mean_bytes(0, 60), 4600.0) << "and it may be lifted again";
 }
 
+TEST_F(H264, WhatASaccadeLeavesMayBeTakenWhereItLandsUpToTwiceAFrame) {
+  constexpr double kMost = 3000.0;
+  const auto bytes_at_landing = [&](Wish::Burst burst) {
+    encoder_ = make_encoder();
+    Wish wish{.quantiser = 10.0, .most_bytes = static_cast<std::size_t>(kMost)};
+    for (int i = 0; i < 10; ++i) encode(textured(320, 240, 2 * i), wish);
+    wish.burst = burst;
+    wish.quantiser = 45.0;  // while nothing is seen
+    for (int i = 10; i < 13; ++i) encode(textured(320, 240, 2 * i), wish);
+    wish.quantiser = 10.0;
+    return static_cast<double>(encode(textured(320, 240, 5000), wish).bytes.size());
+  };
+  const double plain = bytes_at_landing(Wish::Burst::No),
+               burst = bytes_at_landing(Wish::Burst::Yes);
+  EXPECT_LE(plain, 1.3 * kMost);
+  EXPECT_GE(burst, 1.3 * plain);
+  EXPECT_LE(burst, 2.2 * kMost);
+}
+
 /// The bytes and the middle's PSNR of twelve frames, with or without offsets.
 struct Quality {
   double bytes = 0.0, middle_db = 0.0;
