@@ -50,8 +50,7 @@ void judge_places(const ReadJob& job, const RowPlaces& places, RowReads& reads);
 /// reads (Catmull-Rom) are held within what the four middle cells show.
 void read_row(const RowReads& reads, const image::Plane<Texel>& picture, std::span<Texel> row);
 
-/// shown[i] = color[i] + reflectance[i] * light[i]; the latter two may both be empty.
-void show_row(std::span<const Texel> color, std::span<const Texel> light,
-              std::span<const Texel> reflectance, std::span<Rgb> shown);
+/// shown[i] = color[i]^2 + sampled[i]^2; the latter may be empty.
+void show_row(std::span<const Texel> color, std::span<const Texel> sampled, std::span<Rgb> shown);
 
 }  // namespace macula::reconstruction

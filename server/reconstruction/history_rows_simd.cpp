@@ -175,12 +175,12 @@ HWY_ATTR void read_cells(const RowReads& reads, const Texel* picture, std::ptrdi
 
 /// Whole vectors of four are stored, so that each cell's last number is overwritten by the next
 /// cell's first; the last cell goes by itself.
-HWY_ATTR void show_cells(const Texel* color, const Texel* light, const Texel* reflectance,
-                         std::size_t width, Rgb* shown) {
+HWY_ATTR void show_cells(const Texel* color, const Texel* sampled, std::size_t width, Rgb* shown) {
   const Four d;
   for (std::size_t i = 0; i < width; ++i) {
-    auto sum = load(color + i);
-    if (light != nullptr) sum = hn::MulAdd(load(reflectance + i), load(light + i), sum);
+    const auto root = load(color + i);
+    auto sum = hn::Mul(root, root);
+    if (sampled != nullptr) sum = hn::MulAdd(load(sampled + i), load(sampled + i), sum);
     if (i + 1 < width) {
       hn::StoreU(sum, d, &shown[i].x);
     } else {
@@ -226,12 +226,10 @@ void read_row(const RowReads& reads, const image::Plane<Texel>& picture, std::sp
   HWY_DYNAMIC_DISPATCH(read_cells)(reads, picture.data(), picture.width(), row.data());
 }
 
-void show_row(std::span<const Texel> color, std::span<const Texel> light,
-              std::span<const Texel> reflectance, std::span<Rgb> shown) {
-  MACULA_CHECK(color.size() == shown.size() && light.size() == reflectance.size());
+void show_row(std::span<const Texel> color, std::span<const Texel> sampled, std::span<Rgb> shown) {
+  MACULA_CHECK(color.size() == shown.size() && (sampled.empty() || sampled.size() == color.size()));
   HWY_DYNAMIC_DISPATCH(show_cells)
-  (color.data(), light.empty() ? nullptr : light.data(), reflectance.data(), color.size(),
-   shown.data());
+  (color.data(), sampled.empty() ? nullptr : sampled.data(), color.size(), shown.data());
 }
 
 }  // namespace macula::reconstruction

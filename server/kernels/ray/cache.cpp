@@ -15,7 +15,7 @@ void size_plane(Plane<T>& plane, bool wanted, int width, int height) {
 
 void prepare_cache(Cache& cache, int width, int height, bool has_light, unsigned wanted) {
   size_plane(cache.color, true, width, height);
-  size_plane(cache.light, has_light, width, height);
+  size_plane(cache.sampled, has_light, width, height);
   size_plane(cache.reflectance, has_light, width, height);
   size_plane(cache.info, true, width, height);
   size_plane(cache.inverse_depth, true, width, height);

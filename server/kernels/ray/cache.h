@@ -25,11 +25,23 @@ struct CacheInfo {
   std::uint32_t touched = 0;   ///< clock of the last sample, modulo 2^32
 };
 
-/// One view's picture. Shown: color + reflectance * light; the latter two are empty in scenes where
-/// chance estimates nothing.
+/// How the memory holds radiance: by its square root, about as displays encode it. Moving it
+/// between cells blurs it, and a blur of radiance would brighten what is shown of fine bright
+/// detail.
+inline Texel held(const Rgb& radiance) {
+  return Texel(glm::sqrt(glm::max(radiance, Rgb{0.0F})));
+}
+inline Rgb radiance_of(const Texel& held) {
+  return held.rgb() * held.rgb();
+}
+
+/// One view's picture. Shown: color + sampled. The light that chance estimates is remembered as
+/// what it brings and what it met: its mean per unit of reflectance is the quotient of the two
+/// means. A mean of quotients would be too bright where a glint brightens what reflects little.
+/// `sampled` and `reflectance` are empty in scenes where chance estimates nothing.
 struct Cache {
-  Plane<Texel> color;        ///< emission and lights without extent, radiance
-  Plane<Texel> light;        ///< area and ambient light per unit of reflectance, radiance
+  Plane<Texel> color;        ///< emission and lights without extent, held()
+  Plane<Texel> sampled;      ///< area, ambient and environment light as reflected, held()
   Plane<Texel> reflectance;  ///< directional, [0, 1]
   Plane<CacheInfo> info;
   /// 1/m, of view depth: 0 where nothing was hit, kNothing where nothing is remembered.
@@ -39,8 +51,13 @@ struct Cache {
   Plane<Rgb> albedo;
 
   static constexpr float kNothing = -1.0F;
-  bool has_light() const { return !light.empty(); }
+  bool has_light() const { return !sampled.empty(); }
   bool remembers(int x, int y) const { return inverse_depth(x, y) >= 0.0F; }
+  /// Radiance.
+  Rgb shown(int x, int y) const {
+    const Rgb radiance = radiance_of(color(x, y));
+    return has_light() ? radiance + radiance_of(sampled(x, y)) : radiance;
+  }
 };
 
 struct ViewMemory {

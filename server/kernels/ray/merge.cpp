@@ -33,19 +33,13 @@ void fill_cell(const Support& support, int x, int y, Cache& cache) {
   };
   cache.color(x, y) = of(cache.color);
   if (cache.has_light()) {
-    cache.light(x, y) = of(cache.light);
+    cache.sampled(x, y) = of(cache.sampled);
     cache.reflectance(x, y) = of(cache.reflectance);
   }
   const int near_x = nearest(support.x, x), near_y = nearest(support.y, y);
   if (!cache.surface_id.empty()) cache.surface_id(x, y) = cache.surface_id(near_x, near_y);
   if (!cache.normal.empty()) cache.normal(x, y) = cache.normal(near_x, near_y);
   if (!cache.albedo.empty()) cache.albedo(x, y) = cache.albedo(near_x, near_y);
-}
-
-Rgb shown(const Cache& cache, int x, int y) {
-  const Rgb color = cache.color(x, y).rgb();
-  if (!cache.has_light()) return color;
-  return color + cache.reflectance(x, y).rgb() * cache.light(x, y).rgb();
 }
 
 /// Of the support's samples, at one cell.
@@ -74,7 +68,7 @@ void fill_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache&
                 ViewBuffers& out) {
   for (const auto& [x, y] : cells) {
     fill_cell(job.support, x, y, cache);
-    out.radiance(x, y) = shown(cache, x, y);
+    out.radiance(x, y) = cache.shown(x, y);
     out.depth_m(x, y) = depth_between(job.support, x, y);
   }
 }
@@ -83,7 +77,7 @@ void post_filter_cells(const MergeJob& job, std::span<const image::Pixel> cells,
                        Plane<Rgb>& radiance) {
   if (!cache.has_light()) return;
   for (const auto& [x, y] : cells) {
-    radiance(x, y) = cache.color(x, y).rgb() +
+    radiance(x, y) = radiance_of(cache.color(x, y)) +
                      cache.reflectance(x, y).rgb() * neighbours_light(job, cache, x, y);
   }
 }
@@ -93,8 +87,7 @@ void show_rows(const Cache& cache, int first, int last, ViewBuffers& out) {
     return plane.empty() ? std::span<const Texel>{} : plane.row(y);
   };
   for (int y = first; y < last; ++y) {
-    reconstruction::show_row(cache.color.row(y), texels(cache.light, y),
-                             texels(cache.reflectance, y), out.radiance.row(y));
+    reconstruction::show_row(cache.color.row(y), texels(cache.sampled, y), out.radiance.row(y));
     const std::span<const float> remembered = cache.inverse_depth.row(y);
     const std::span<float> depth = out.depth_m.row(y);
     for (std::size_t x = 0; x < depth.size(); ++x) depth[x] = 1.0F / remembered[x];

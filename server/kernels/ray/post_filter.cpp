@@ -32,13 +32,23 @@ int search_distance(const MergeJob& job, const Cache& cache, int x, int y, float
   return 0;
 }
 
+/// Per unit of reflectance; black where nothing is reflected.
+Rgb light_at(const Cache& cache, int x, int y) {
+  const Rgb sampled = radiance_of(cache.sampled(x, y)), reflectance = cache.reflectance(x, y).rgb();
+  Rgb light{0.0F};
+  for (int c = 0; c < 3; ++c) {
+    if (reflectance[c] > 0.0F) light[c] = sampled[c] / reflectance[c];
+  }
+  return light;
+}
+
 }  // namespace
 
 Rgb neighbours_light(const MergeJob& job, const Cache& cache, int x, int y) {
   const float inverse_depth = 1.0F / job.fresh.depth_m(x, y);
   const int reach = search_distance(job, cache, x, y, inverse_depth);
   const sampling::SampleKey key(0xF117U, job.frame, job.view.grid.cell_key(x, y));
-  Rgb light = cache.light(x, y).rgb();
+  Rgb light = light_at(cache, x, y);
   if (reach == 0) return light;
   int closest = 2 * (reach + 1) * (reach + 1);
   for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(job.config.post_probes); ++k) {
@@ -48,7 +58,7 @@ Rgb neighbours_light(const MergeJob& job, const Cache& cache, int x, int y) {
     const int distance = dx * dx + dy * dy;
     if (distance >= closest || !is_donor(job, cache, x + dx, y + dy, inverse_depth)) continue;
     closest = distance;
-    light = cache.light(x + dx, y + dy).rgb();
+    light = light_at(cache, x + dx, y + dy);
   }
   return light;
 }

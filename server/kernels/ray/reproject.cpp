@@ -120,7 +120,7 @@ void Reprojector::try_again(Row& row) const {
 void Reprojector::write(Row& row) const {
   reconstruction::read_row(row.reads, job_.then.color, now_.color.row(row.y));
   if (now_.has_light()) {
-    reconstruction::read_row(row.reads, job_.then.light, now_.light.row(row.y));
+    reconstruction::read_row(row.reads, job_.then.sampled, now_.sampled.row(row.y));
     reconstruction::read_row(row.reads, job_.then.reflectance, now_.reflectance.row(row.y));
   }
   for (int x = 0; x < job_.view.grid.width(); ++x) {
@@ -144,7 +144,7 @@ void Reprojector::read_one_by_one(const Row& row) const {
     const Taps taps = taps_.at(x, row.y, {there_x, there_y});
     now_.color(x, row.y) = filtered(taps, job_.then.color);
     if (!now_.has_light()) continue;
-    now_.light(x, row.y) = filtered(taps, job_.then.light);
+    now_.sampled(x, row.y) = filtered(taps, job_.then.sampled);
     now_.reflectance(x, row.y) = filtered(taps, job_.then.reflectance);
   }
 }

@@ -6,12 +6,6 @@
 namespace macula::kernels::ray {
 namespace {
 
-Rgb remembered_radiance(const Cache& cache, int x, int y) {
-  const Rgb color = cache.color(x, y).rgb();
-  if (!cache.has_light()) return color;
-  return color + cache.reflectance(x, y).rgb() * cache.light(x, y).rgb();
-}
-
 class Scores {
  public:
   explicit Scores(const ResamplingJob& job)
@@ -35,7 +29,7 @@ class Scores {
   bool remembered(int i, int j) const { return job_.remembered.remembers(cell_x(i), cell_y(j)); }
   float luminance(const Rgb& radiance) const { return display_luminance(job_.view.tone, radiance); }
   float remembered_luminance(int i, int j) const {
-    return luminance(remembered_radiance(job_.remembered, cell_x(i), cell_y(j)));
+    return luminance(job_.remembered.shown(cell_x(i), cell_y(j)));
   }
 
   /// New against remembered luminance, its mean over 3 x 3 samples: a single sample differs by

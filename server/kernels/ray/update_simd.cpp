@@ -103,7 +103,7 @@ class Update {
     __builtin_prefetch(&cache_.inverse_depth(x, y)), __builtin_prefetch(&job_.fresh.radiance(x, y));
     __builtin_prefetch(&job_.fresh.depth_m(x, y)), __builtin_prefetch(&radiance_(x, y));
     if (!cache_.has_light()) return;
-    __builtin_prefetch(&cache_.light(x, y)), __builtin_prefetch(&cache_.reflectance(x, y));
+    __builtin_prefetch(&cache_.sampled(x, y)), __builtin_prefetch(&cache_.reflectance(x, y));
     __builtin_prefetch(&job_.fresh.light(x, y)), __builtin_prefetch(&job_.fresh.reflectance(x, y));
   }
 
@@ -129,10 +129,10 @@ class Update {
   }
 
   void replace(int x, int y, CacheInfo& info) {
-    cache_.color(x, y) = Texel(fresh_color(job_.fresh, x, y));
+    cache_.color(x, y) = held(fresh_color(job_.fresh, x, y));
     info.samples = info.light_samples = 1.0F;
     if (!cache_.has_light()) return;
-    cache_.light(x, y) = Texel(job_.fresh.light(x, y));
+    cache_.sampled(x, y) = held(job_.fresh.light(x, y) * job_.fresh.reflectance(x, y));
     cache_.reflectance(x, y) = Texel(job_.fresh.reflectance(x, y));
   }
 
@@ -141,26 +141,35 @@ class Update {
     const bool full_rate = reason == Reason::Fovea && age > 0;
     const float limit = full_rate ? job_.config.fovea_weight : job_.color_limits.at(age);
     const float alpha = weight(info.samples, limit, job_.config.weight);
-    clip(x, y, reason, cache_.color(x, y));
-    mix(fresh_color(job_.fresh, x, y), alpha, cache_.color(x, y));
+    Rgb color = radiance_of(cache_.color(x, y));
+    clip(x, y, reason, color);
+    cache_.color(x, y) = held(color + alpha * (fresh_color(job_.fresh, x, y) - color));
     info.samples = samples_after(info.samples, alpha);
     if (!cache_.has_light()) return;
     const float light_alpha =
         weight(info.light_samples, job_.light_limits.at(age), job_.config.weight);
-    mix(job_.fresh.reflectance(x, y), alpha, cache_.reflectance(x, y));
-    mix(job_.fresh.light(x, y), light_alpha, cache_.light(x, y));
+    mix_light(x, y, alpha, light_alpha);
     info.light_samples = samples_after(info.light_samples, light_alpha);
   }
 
-  static void mix(const Rgb& fresh, float alpha, Texel& remembered) {
-    remembered.r += alpha * (fresh.x - remembered.r);
-    remembered.g += alpha * (fresh.y - remembered.g);
-    remembered.b += alpha * (fresh.z - remembered.b);
+  /// Light per unit of reflectance goes by its own weight, what it meets by the colour's. A mean of
+  /// light counts what met more reflectance for more.
+  void mix_light(int x, int y, float alpha, float light_alpha) {
+    const Rgb reflectance = job_.fresh.reflectance(x, y);
+    const Rgb arriving = job_.fresh.light(x, y) * reflectance;
+    const Rgb before = cache_.reflectance(x, y).rgb();
+    const Rgb met = before + light_alpha * (reflectance - before);
+    const Rgb meets = before + alpha * (reflectance - before);
+    const Rgb kept = radiance_of(cache_.sampled(x, y));
+    Rgb brought = kept + light_alpha * (arriving - kept);
+    for (int c = 0; c < 3; ++c) brought[c] *= met[c] > 0.0F ? meets[c] / met[c] : 1.0F;
+    cache_.sampled(x, y) = held(brought);
+    cache_.reflectance(x, y) = Texel(meets);
   }
 
   /// Holds what is remembered within the spread of the new samples around, where there are three or
   /// more. Nothing is wrong with a memory of what did not move.
-  HWY_ATTR void clip(int x, int y, Reason reason, Texel& remembered) const {
+  HWY_ATTR void clip(int x, int y, Reason reason, Rgb& remembered) const {
     if (job_.config.clipping == Clipping::Off || job_.motion == Motion::Still) return;
     const Four d;
     const int left = std::max(x - 1, 0), right = std::min(x + 1, job_.chroma.width() - 1);
@@ -186,12 +195,12 @@ class Update {
     const auto reach = hn::Mul(hn::Set(d, gamma), hn::Sqrt(variance));
     // Numbers are broadcast one by one: a vector load of what scalars just stored would wait.
     const auto value =
-        hn::MulAdd(hn::Set(d, remembered.r), hn::Load(d, kFromRed),
-                   hn::MulAdd(hn::Set(d, remembered.g), hn::Load(d, kFromGreen),
-                              hn::Mul(hn::Set(d, remembered.b), hn::Load(d, kFromBlue))));
-    HWY_ALIGN float held[4];
-    hn::Store(hn::Min(hn::Max(value, hn::Sub(mean, reach)), hn::Add(mean, reach)), d, held);
-    remembered = Texel(rgb_from_ycocg({held[0], held[1], held[2]}));
+        hn::MulAdd(hn::Set(d, remembered.x), hn::Load(d, kFromRed),
+                   hn::MulAdd(hn::Set(d, remembered.y), hn::Load(d, kFromGreen),
+                              hn::Mul(hn::Set(d, remembered.z), hn::Load(d, kFromBlue))));
+    HWY_ALIGN float within[4];
+    hn::Store(hn::Min(hn::Max(value, hn::Sub(mean, reach)), hn::Add(mean, reach)), d, within);
+    remembered = rgb_from_ycocg({within[0], within[1], within[2]});
   }
 
   /// A cell without a past shows its sample to the bit.
@@ -200,9 +209,7 @@ class Update {
       radiance_(x, y) = job_.fresh.radiance(x, y);
       return;
     }
-    Rgb color = cache_.color(x, y).rgb();
-    if (cache_.has_light()) color += cache_.reflectance(x, y).rgb() * cache_.light(x, y).rgb();
-    radiance_(x, y) = color;
+    radiance_(x, y) = cache_.shown(x, y);
   }
 
   const MergeJob& job_;

@@ -113,16 +113,16 @@ TEST(HistoryRows, BicubicReadsAreExactAtCentresAndNeverOvershoot) {
   for (const Texel& texel : row) EXPECT_TRUE(texel.r >= 0.0F && texel.r <= 1.0F);
 }
 
-TEST(HistoryRows, WhatIsShownIsColourAndReflectedLight) {
+TEST(HistoryRows, WhatIsShownIsTheSumOfSquares) {
   for (const std::size_t width : {1U, 5U, 64U}) {
     const std::vector<Texel> color(width, Texel(Rgb{1.0F, 2.0F, 3.0F}));
-    const std::vector<Texel> light(width, Texel(Rgb{4.0F})), reflectance(width, Texel(Rgb{0.5F}));
+    const std::vector<Texel> sampled(width, Texel(Rgb{2.0F}));
     std::vector<Rgb> shown(width + 1, Rgb{-1.0F});
-    show_row(color, light, reflectance, {shown.data(), width});
-    EXPECT_EQ(shown[width - 1], Rgb(3.0F, 4.0F, 5.0F));
+    show_row(color, sampled, {shown.data(), width});
+    EXPECT_EQ(shown[width - 1], Rgb(5.0F, 8.0F, 13.0F));
     EXPECT_EQ(shown[width], Rgb(-1.0F)) << "nothing may be written past the row";
-    show_row(color, {}, {}, {shown.data(), width});
-    EXPECT_EQ(shown[0], Rgb(1.0F, 2.0F, 3.0F));
+    show_row(color, {}, {shown.data(), width});
+    EXPECT_EQ(shown[0], Rgb(1.0F, 4.0F, 9.0F));
   }
 }
 
