@@ -67,6 +67,8 @@ class Tables {
     std::transform(table_.begin(), table_.end(), packed_.begin(), pack);
   }
   const std::int32_t* packed() const { return packed_.data(); }
+  const float* directional() const { return &table_.front().a; }
+  const float* means() const { return &mean_.front().a; }
   GgxAlbedo directional(float mu, float alpha) const {
     const Cell x = locate(mu), y = locate(alpha);
     return mix(mix(at(x.node, y.node), at(x.node + 1, y.node), x.blend),
@@ -118,6 +120,12 @@ GgxAlbedo ggx_albedo(float mu, float alpha) {
 }
 const std::int32_t* GgxAlbedoNodes::packed() {
   return tables().packed();
+}
+const float* GgxAlbedoNodes::directional() {
+  return tables().directional();
+}
+const float* GgxAlbedoNodes::mean() {
+  return tables().means();
 }
 GgxAlbedo ggx_mean_albedo(float alpha) {
   return tables().mean(alpha);

@@ -20,6 +20,9 @@ GgxAlbedo ggx_albedo(float mu, float alpha);
 struct GgxAlbedoNodes {
   static constexpr int kNodes = 32;  ///< linear interpolation errs below 3e-3 (tested)
   static const std::int32_t* packed();
+  /// The same in floats, a and b after each other; and of ggx_mean_albedo, by the node of alpha.
+  static const float* directional();
+  static const float* mean();
 };
 /// Cosine-weighted hemispherical mean of the interpolated table: 2 integral E(mu) mu dmu.
 GgxAlbedo ggx_mean_albedo(float alpha);

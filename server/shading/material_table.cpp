@@ -14,9 +14,6 @@ namespace {
 /// Reflectance of a dielectric at normal incidence for index of refraction 1.5, glTF's default.
 constexpr float kDielectricF0 = 0.04F;
 
-/// Reflectance of a forced lobe: above 0, below what any sum can hold beside 1.
-constexpr float kFaintest = 1e-12F;
-
 /// Length scale of a texture transform: how footprints grow through it.
 float footprint_scale(const scene::TextureRef& reference) {
   return std::sqrt(std::abs(reference.uv_scale.x * reference.uv_scale.y));
@@ -97,7 +94,7 @@ Bsdf MaterialTable::make_bsdf(const Factors& at) const {
   bsdf.f0 = (1.0F - at.metallic) * dielectric + at.metallic * at.base;
   bsdf.f90 = (1.0F - at.metallic) * at.specular + at.metallic;
   bsdf.alpha = std::clamp(at.roughness * at.roughness, kLeastAlpha, 1.0F);
-  if (options_.specular_lobe == scene::StepUse::Forced) bsdf.f90 = std::max(bsdf.f90, kFaintest);
+  if (options_.specular_lobe == scene::StepUse::Forced) bsdf.f90 = std::max(bsdf.f90, kFaintestLobe);
   return bsdf;
 }
 

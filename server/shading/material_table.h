@@ -8,6 +8,7 @@
 #include "server/scene/plan.h"
 #include "server/scene/scene.h"
 #include "server/shading/bsdf.h"
+#include "server/shading/bsdf_batch.h"
 #include "server/shading/pattern.h"
 #include "server/shading/surface.h"
 #include "server/shading/texture.h"
@@ -24,6 +25,9 @@ struct MaterialOptions {
   /// reflected, a lobe too faint to see is evaluated.
   scene::StepUse specular_lobe = scene::StepUse::Used;
 };
+
+/// Reflectance of a forced lobe: above 0, below what any sum can hold beside 1.
+inline constexpr float kFaintestLobe = 1e-12F;
 
 /// What one sample stands for where it meets a surface; all 0: the point itself.
 struct SampleFootprint {
@@ -50,6 +54,9 @@ class MaterialTable {
   /// Either, as the surface's material has it: by texture, or by pattern.
   Rgb base_color(const Surface& surface, const SampleFootprint& footprint = {}) const;
   Bsdf bsdf(const Surface& surface, const SampleFootprint& footprint, MaterialModel model) const;
+  /// The same of the first `count` points of one material, in vectors, within 1e-5.
+  void bsdf(scene::Index material, const SurfaceBatch& surfaces, const FootprintBatch& footprints,
+            std::size_t count, MaterialModel model, BsdfBatch& out) const;
   /// Radiance leaving the front face, W/(sr m^2).
   Rgb emission(scene::Index material, const Vec2& uv, float footprint_uv) const;
   /// What a point drawn on a lamp shines with: emission times what alpha leaves of the surface
@@ -82,6 +89,13 @@ class MaterialTable {
   /// Share of the surface that is there, in [0, 1].
   float coverage(const Entry& entry, const Vec2& uv) const;
   Vec4 read(const std::optional<Lookup>& lookup, const Vec2& uv, float footprint_uv) const;
+  /// Null without a texture, else `room`.
+  const TexelBatch* read(const std::optional<Lookup>& lookup, const SurfaceBatch& surfaces,
+                         const sampling::FloatBatch& footprint_uv, std::size_t count,
+                         unsigned channels, TexelBatch& room) const;
+  void base_colors(scene::Index material, const SurfaceBatch& surfaces,
+                   const FootprintBatch& footprints, std::size_t count,
+                   sampling::Vec3Batch& out) const;
 
   MaterialOptions options_;
   std::vector<Texture> textures_;

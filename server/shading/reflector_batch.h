@@ -5,6 +5,8 @@
 
 #include "server/sampling/batch.h"
 #include "server/shading/bsdf.h"
+#include "server/shading/bsdf_batch.h"
+#include "server/shading/surface_batch.h"
 
 namespace macula::shading {
 
@@ -14,6 +16,14 @@ struct ReflectorBatch {
   sampling::FloatBatch f90, cos_v;
   sampling::FloatBatch alpha;  ///< 0: without a lobe
 
+  /// Takes the first `count` of `from` over as entries from `first` on.
+  void copy(std::size_t first, const ReflectorBatch& from, std::size_t count) {
+    shading.copy(first, from.shading, count), geometric.copy(first, from.geometric, count);
+    to_eye.copy(first, from.to_eye, count), diffuse.copy(first, from.diffuse, count);
+    f0.copy(first, from.f0, count), reflectance.copy(first, from.reflectance, count);
+    f90.copy(first, from.f90, count), cos_v.copy(first, from.cos_v, count);
+    alpha.copy(first, from.alpha, count);
+  }
   void set(std::size_t i, const Reflector& reflector) {
     shading.set(i, reflector.frame_.shading);
     geometric.set(i, reflector.frame_.geometric);
@@ -26,6 +36,10 @@ struct ReflectorBatch {
     alpha.at[i] = reflector.glossy_ ? reflector.bsdf_.alpha : 0.0F;
   }
 };
+
+/// Reflectors of the first `count` points, without directions to draw; `to_eye`: unit, world.
+void make_reflectors(const BsdfBatch& bsdfs, const SurfaceBatch& surfaces,
+                     const sampling::Vec3Batch& to_eye, std::size_t count, ReflectorBatch& out);
 
 /// reflected[i] = Reflector::evaluate(to_light[i]) * irradiance[i], 0 where either is, for the
 /// first `count` reflectors.

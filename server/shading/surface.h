@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/scene/animation.h"
+#include "server/shading/surface_batch.h"
 
 namespace macula::shading {
 
@@ -34,6 +35,9 @@ class SurfaceTable {
 
   /// The point (1 - u - v) p0 + u p1 + v p2.
   Surface at(scene::Index instance, scene::Index triangle, const Vec2& barycentric) const;
+  /// The same of many points of one instance, in vectors: directions and texture coordinates within
+  /// 1e-5, positions rounded to floats (within a unit in their last place).
+  void at(scene::Index instance, const PointsOnTriangles& points, SurfaceBatch& out) const;
   /// Two steps that bring what at() reads near: of triangles, then of their vertices. For loops
   /// over points that lie anywhere; they change nothing.
   void fetch_triangle(scene::Index instance, scene::Index triangle) const;

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "server/shading/texel_codes.h"
+#include "shared/base/check.h"
 
 namespace macula::shading {
 namespace {
@@ -122,7 +123,9 @@ Texture::Texture(const image::Plane<image::Rgba8>& pixels, ColorSpace space)
     : decode_(TexelCodes::of(space).decoded()) {
   const bool blank = pixels.empty();
   Size size{blank ? 1 : pixels.width(), blank ? 1 : pixels.height()};
-  texels_.reserve(size.area() + size.area() / 3 + 16);
+  const std::size_t room = size.area() + size.area() / 3 + 16;
+  MACULA_CHECK(room < std::size_t{1} << 31U, "texels are numbered in 31 bits");
+  texels_.reserve(room);
   if (blank) texels_.push_back({255, 255, 255, 255});
   texels_.insert(texels_.end(), pixels.pixels().begin(), pixels.pixels().end());
   levels_.push_back({size.width, size.height, 0});
@@ -142,16 +145,14 @@ void Texture::append_level(const std::vector<Vec4>& linear, int width, int heigh
                            ColorSpace space) {
   const TexelCodes& color = TexelCodes::of(space);
   const TexelCodes& plain = TexelCodes::of(ColorSpace::Linear);
-  levels_.push_back({width, height, texels_.size()});
+  levels_.push_back({width, height, static_cast<std::int32_t>(texels_.size())});
   for (const Vec4& v : linear) {
     texels_.push_back({color.encode(v.x), color.encode(v.y), color.encode(v.z), plain.encode(v.w)});
   }
 }
 
 Vec4 Texture::texel(const Level& level, int x, int y) const {
-  const auto offset = static_cast<std::size_t>(y) * static_cast<std::size_t>(level.width) +
-                      static_cast<std::size_t>(x);
-  return decode(texels_[level.first + offset], decode_);
+  return decode(texels_[static_cast<std::size_t>(level.first + y * level.width + x)], decode_);
 }
 
 Vec4 Texture::bilinear(const Level& level, Vec2 uv, Wrap wrap_u, Wrap wrap_v) const {
@@ -197,12 +198,11 @@ void Texture::fetch(Vec2 uv, float footprint_uv, Wrap wrap_u, Wrap wrap_v) const
 void Texture::fetch_around(const Level& level, Vec2 uv) const {
   const int x = static_cast<int>(uv.x * static_cast<float>(level.width) - 0.5F);
   const int y = static_cast<int>(uv.y * static_cast<float>(level.height) - 0.5F);
-  const auto row = static_cast<std::size_t>(std::clamp(y, 0, level.height - 1));
-  const auto width = static_cast<std::size_t>(level.width);
-  const auto column = static_cast<std::size_t>(std::clamp(x, 0, level.width - 1));
-  const image::Rgba8* at = &texels_[level.first + row * width + column];
+  const int row = std::clamp(y, 0, level.height - 1), column = std::clamp(x, 0, level.width - 1);
+  const image::Rgba8* at =
+      &texels_[static_cast<std::size_t>(level.first + row * level.width + column)];
   __builtin_prefetch(at);
-  if (y + 1 < level.height) __builtin_prefetch(at + width);
+  if (y + 1 < level.height) __builtin_prefetch(at + level.width);
 }
 
 Vec2 transform_uv(const scene::TextureRef& reference, Vec2 uv) {

@@ -7,9 +7,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/sampling/batch.h"
 #include "server/scene/scene.h"
 
 namespace macula::shading {
+
+/// Colours and alpha side by side.
+struct TexelBatch {
+  sampling::FloatBatch channel[4];
+};
+/// Channels by number, as bits.
+inline constexpr unsigned kColorChannels = 0b0111, kAlphaChannel = 0b1000;
 
 class Texture {
  public:
@@ -21,6 +29,10 @@ class Texture {
   /// averaged over about a square of side `footprint_uv`; 0 reads the finest level bilinearly.
   /// A non-finite uv reads (0, 0).
   Vec4 sample(Vec2 uv, float footprint_uv, scene::Wrap wrap_u, scene::Wrap wrap_v) const;
+  /// The same at many places, in vectors, within 1e-5; of the wanted channels only.
+  void sample(const sampling::Vec2Batch& uv, const sampling::FloatBatch& footprint_uv,
+              scene::Wrap wrap_u, scene::Wrap wrap_v, std::size_t count, unsigned channels,
+              TexelBatch& out) const;
   /// Brings the texels that sample() reads near, without waiting for them.
   void fetch(Vec2 uv, float footprint_uv, scene::Wrap wrap_u, scene::Wrap wrap_v) const;
   /// Linear mean of the whole image.
@@ -28,9 +40,10 @@ class Texture {
   int level_count() const { return static_cast<int>(levels_.size()); }
 
  private:
+  /// As loops that gather read it: three numbers a level.
   struct Level {
-    int width = 0, height = 0;
-    std::size_t first = 0;  ///< index of its top-left texel
+    std::int32_t width = 0, height = 0;
+    std::int32_t first = 0;  ///< index of its top-left texel
   };
   void append_level(const std::vector<Vec4>& linear, int width, int height,
                     scene::ColorSpace space);

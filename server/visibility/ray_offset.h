@@ -15,6 +15,9 @@ namespace macula::visibility {
 /// world's origin none meets its square from 1 on (tests hold it); transforms and thin triangles
 /// take their share.
 inline constexpr float kSpanUlps = 4.0F;
+/// And of the point's largest coordinate: 3 for the interpolation of the point, 1 for the addition
+/// of the offset, the rest for the transforms of instances and the intersector's own rounding.
+inline constexpr float kPointUlps = 16.0F;
 
 /// `normal`: unit geometric normal on the side the ray leaves to. `travelled_m`: length of the ray
 /// that found `point` when the point was computed as origin + t direction; 0 when it was
@@ -24,14 +27,11 @@ inline constexpr float kSpanUlps = 4.0F;
 /// point's own coordinates vanish.
 inline Vec3 offset_ray_origin(const Vec3& point, const Vec3& normal, float travelled_m = 0.0F,
                               float span_m = 0.0F) {
-  // 16 units in the last place of the largest coordinate: 3 for the interpolation of the point, 1
-  // for this addition, the rest for the transforms of instances and the intersector's own rounding.
-  constexpr float kUlps = 16.0F;
   const float largest =
       std::max({std::abs(point.x), std::abs(point.y), std::abs(point.z), travelled_m});
   const float offset =
       std::numeric_limits<float>::epsilon() *
-      std::max({kUlps * largest, kSpanUlps * span_m, std::numeric_limits<float>::min()});
+      std::max({kPointUlps * largest, kSpanUlps * span_m, std::numeric_limits<float>::min()});
   return point + offset * normal;
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "server/kernels/ray/bounce.h"
+#include "server/kernels/ray/surface_stage.h"
 #include "server/kernels/ray/virtual_draws.h"
 #include "server/lights/cut_sampler.h"
 #include "server/sampling/mappings.h"
@@ -415,6 +416,15 @@ void LitPoints::push(const shading::Surface& surface, const shading::Reflector& 
   if (keeps_whole) whole.push_back(reflector);
   keys[count] = key;
   ++count;
+}
+
+void LitPoints::append(const SurfaceGroup& group) {
+  const std::size_t n = group.points.count;
+  MACULA_DCHECK(count + n <= sampling::kBatch && !keeps_whole);
+  position.copy(count, group.surfaces.position, n);
+  ray_origin.copy(count, group.ray_origin, n);
+  reflectors.copy(count, group.reflectors, n);
+  count += n;
 }
 
 void Lighting::add(const LitPoints& points, std::span<Rgb> radiance, LightingWork& work,

@@ -16,6 +16,8 @@
 
 namespace macula::kernels::ray {
 
+struct SurfaceGroup;
+
 /// Points to be lit, seen from where their reflectors' frames say. Zero at first: vectors reach
 /// past the last point.
 struct LitPoints {
@@ -37,6 +39,8 @@ struct LitPoints {
   /// The point is surface.position; the reflector is the surface's.
   void push(const shading::Surface& surface, const shading::Reflector& reflector,
             sampling::SampleKey key);
+  /// All points of a group, without their keys, which are to be set from the old count on.
+  void append(const SurfaceGroup& group);
 };
 static_assert(sampling::kBatch == visibility::kStreamCapacity);
 

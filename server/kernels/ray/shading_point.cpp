@@ -6,7 +6,6 @@
 namespace macula::kernels::ray {
 
 float ShadingRequest::footprint_uv() const {
-  constexpr float kLeastSlant = 1.0F / 16.0F;
   const float slant = std::abs(glm::dot(surface.geometric_normal, to_eye));
   return uv_per_meter * footprint_m / std::sqrt(std::max(slant, kLeastSlant));
 }

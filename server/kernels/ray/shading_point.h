@@ -8,6 +8,9 @@
 
 namespace macula::kernels::ray {
 
+/// Slants beyond 1 : 16 no longer widen a sample's footprint.
+inline constexpr float kLeastSlant = 1.0F / 16.0F;
+
 struct ShadingRequest {
   shading::Surface surface;
   Vec3 to_eye{0.0F};  ///< unit, world
@@ -15,8 +18,7 @@ struct ShadingRequest {
   float footprint_m = 0.0F;  ///< width of the sample across the ray; 0: textures unfiltered
 
   /// Side of the square of texture space the sample stands for. It grows with the surface's slant
-  /// along one axis only; the square root shares that between blur and aliasing. Slants beyond 1 :
-  /// 16 no longer widen it.
+  /// along one axis only; the square root shares that between blur and aliasing.
   float footprint_uv() const;
   shading::SampleFootprint footprint() const { return {footprint_uv(), footprint_m, to_eye}; }
 };

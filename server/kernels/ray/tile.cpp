@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "server/kernels/ray/shading_point.h"
+#include "server/kernels/ray/surface_stage.h"
 
 namespace macula::kernels::ray {
 namespace {
@@ -36,11 +37,13 @@ class TileRun {
       : context_(context), out_(out) {
     list_cells(tile);
     points_.keeps_whole = keeps_whole();
+    in_vectors_ = !points_.keeps_whole && context.scene.triangles().packet_width() > 0;
   }
   TileRun(const ViewContext& context, std::span<const image::Pixel> cells, ViewBuffers& out)
       : context_(context), out_(out) {
     for (const image::Pixel& cell : cells) add_cell(cell.x, cell.y);
     points_.keeps_whole = keeps_whole();
+    in_vectors_ = !points_.keeps_whole && context.scene.triangles().packet_width() > 0;
   }
 
   FrameReport run() {
@@ -109,34 +112,64 @@ class TileRun {
     points_.clear();
     points_.sample = static_cast<std::uint32_t>(s);
     const bool guide = s == context_.pattern.guide();
-    find_surfaces();
+    fetch_surfaces();
+    if (in_vectors_) {
+      add_groups(guide);
+    } else {
+      find_surfaces();
+    }
     for (std::size_t i = 0; i < count_; ++i) {
-      if (hits_.hit(static_cast<int>(i))) {
-        add_lit_point(i, guide);
-      } else {
+      if (!hits_.hit(static_cast<int>(i))) {
         radiance_[i] = context_.scene.beyond(glm::normalize(rays_.direction(static_cast<int>(i))));
         if (guide) write_guide_miss(cells_[i]);
+      } else if (!in_vectors_) {
+        add_lit_point(i, guide);
       }
     }
     report_.shade_ms += ms_since(begin);
   }
 
-  /// Points lie anywhere in memory: everything is sent for before anything is waited for.
-  void find_surfaces() {
-    const shading::SurfaceTable& surfaces = context_.scene.surfaces();
-    const auto for_each_hit = [&](const auto& body) {
-      for (std::size_t i = 0; i < count_; ++i) {
-        if (hits_.hit(static_cast<int>(i))) body(i, hits_.at(static_cast<int>(i)));
-      }
-    };
-    if (context_.scene.triangles().packet_width() > 0) {
-      for_each_hit([&](std::size_t, const visibility::Hit& hit) {
-        surfaces.fetch_triangle(hit.instance, hit.triangle);
-      });
-      for_each_hit([&](std::size_t, const visibility::Hit& hit) {
-        surfaces.fetch_vertices(hit.instance, hit.triangle);
-      });
+  template <class Body>
+  void for_each_hit(const Body& body) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (hits_.hit(static_cast<int>(i))) body(i, hits_.at(static_cast<int>(i)));
     }
+  }
+
+  /// Points lie anywhere in memory: everything is sent for before anything is waited for.
+  void fetch_surfaces() const {
+    if (context_.scene.triangles().packet_width() == 0) return;
+    const shading::SurfaceTable& surfaces = context_.scene.surfaces();
+    for_each_hit([&](std::size_t, const visibility::Hit& hit) {
+      surfaces.fetch_triangle(hit.instance, hit.triangle);
+    });
+    for_each_hit([&](std::size_t, const visibility::Hit& hit) {
+      surfaces.fetch_vertices(hit.instance, hit.triangle);
+    });
+  }
+
+  /// Instance by instance.
+  void add_groups(bool guide) {
+    const HitGroups groups(hits_, count_);
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const std::span<const std::uint16_t> rays = groups.rays(g);
+      group_.collect(rays_, hits_, rays);
+      for (std::size_t k = 0; k < rays.size(); ++k) group_.sample_area.at[k] = sample_area(rays[k]);
+      group_.shade(context_.scene, context_.config);
+      const std::size_t first = points_.count;
+      points_.append(group_);
+      for (std::size_t k = 0; k < rays.size(); ++k) {
+        const std::uint16_t i = rays[k];
+        owner_[first + k] = i;
+        points_.keys[first + k] = cells_[i].key;
+        radiance_[i] = group_.emission(k, context_.scene);
+        if (guide) write_guide_hit(i, group_.reflectors.shading[k], group_.bsdfs.base[k]);
+        choose_lights(cells_[i]);
+      }
+    }
+  }
+
+  void find_surfaces() {
     for_each_hit([&](std::size_t i, const visibility::Hit& hit) {
       const Vec3 ray = rays_.direction(static_cast<int>(i));
       const DVec3 point = context_.view.world_from_view.position + DVec3(hit.t * ray);
@@ -152,15 +185,19 @@ class TileRun {
     const ShadingRequest& request = requests_[i];
     const ShadedPoint shaded = shade_point(request, context_.scene, context_.config);
     radiance_[i] = shaded.emission;
-    if (guide) write_guide_hit(i, request, shaded.reflector.frame());
+    if (guide) {
+      write_guide_hit(i, shaded.reflector.frame().shading,
+                      context_.scene.materials().base_color(request.surface, request.footprint()));
+    }
     owner_[points_.count] = static_cast<std::uint16_t>(i);
     points_.push(request.surface, shaded.reflector, cells_[i].key);
+    choose_lights(cells_[i]);
+  }
+  void choose_lights(const Cell& cell) {
     if (context_.cut_nodes != nullptr) {
-      points_.cut_nodes.push_back((*context_.cut_nodes)(cells_[i].x, cells_[i].y));
+      points_.cut_nodes.push_back((*context_.cut_nodes)(cell.x, cell.y));
     }
-    if (context_.config.virtual_lights.any()) {
-      points_.light_class.push_back(light_class(cells_[i]));
-    }
+    if (context_.config.virtual_lights.any()) points_.light_class.push_back(light_class(cell));
   }
 
   /// Classes side by side; from frame to frame and sample to sample all alike by chance.
@@ -184,11 +221,14 @@ class TileRun {
   /// Side of the square a sample stands for, across its ray: a tangent area A at depth z covers the
   /// solid angle A cos^3 and, at distance z / cos, the area A z^2 cos.
   float footprint_m(std::size_t i) const {
+    const float cosine = 1.0F / glm::length(rays_.direction(static_cast<int>(i)));
+    return hits_.t[i] * std::sqrt(sample_area(i) * cosine);
+  }
+  /// On the tangent plane; 0: textures unfiltered.
+  float sample_area(std::size_t i) const {
     if (!filters_textures()) return 0.0F;
     const Vec2 cell = context_.view.grid.footprint(cells_[i].x, cells_[i].y);
-    const float cosine = 1.0F / glm::length(rays_.direction(static_cast<int>(i)));
-    const float samples = static_cast<float>(context_.pattern.samples());
-    return hits_.t[i] * std::sqrt(cell.x * cell.y * cosine / samples);
+    return cell.x * cell.y / static_cast<float>(context_.pattern.samples());
   }
 
   void light() {
@@ -261,16 +301,12 @@ class TileRun {
     if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = Vec3{0.0F};
     if (context_.wanted & kAlbedo) out_.albedo(cell.x, cell.y) = Rgb{0.0F};
   }
-  void write_guide_hit(std::size_t i, const ShadingRequest& request,
-                       const shading::ShadingFrame& frame) {
+  void write_guide_hit(std::size_t i, const Vec3& normal, const Rgb& base_color) {
     const Cell& cell = cells_[i];
     out_.depth_m(cell.x, cell.y) = central_depth(i);
     if (context_.wanted & kSurfaceId) out_.surface_id(cell.x, cell.y) = hits_.instance[i] + 1;
-    if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = frame.shading;
-    if (context_.wanted & kAlbedo) {
-      out_.albedo(cell.x, cell.y) =
-          context_.scene.materials().base_color(request.surface, request.footprint());
-    }
+    if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = normal;
+    if (context_.wanted & kAlbedo) out_.albedo(cell.x, cell.y) = base_color;
   }
   /// View depth where the plane of the surface that the guide hit meets the ray through the cell's
   /// centre: for d along the guide's ray and c along the central one, both with z = -1 in view
@@ -296,6 +332,8 @@ class TileRun {
   visibility::RayStream rays_;
   visibility::HitStream hits_;
   LitPoints points_{};
+  bool in_vectors_ = false;
+  SurfaceGroup group_;                           ///< whole vectors are filled before they are read
   std::array<ShadingRequest, kCells> requests_;  ///< of the rays that hit
   std::array<std::uint16_t, kCells> owner_;
   std::array<Rgb, kCells> radiance_, lit_radiance_, sampled_;
