@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "server/kernels/ray/shading_point.h"
+#include "server/kernels/ray/surface_stage.h"
 
 namespace macula::kernels::lightcuts {
 namespace {
@@ -81,13 +82,38 @@ class TileShot {
     tile_.points.sample = 0;
     tile_.points.keeps_whole = shot_.scene.plan().has(scene::Step::Environment);
     tile_.point_of.fill(SurfaceTile::kNone);
+    const bool in_vectors = ray::shades_in_vectors(shot_.scene, tile_.points);
+    if (in_vectors) add_groups();
     for (int i = 0; i < rays_.count; ++i) {
-      if (hits_.hit(i)) {
-        add_point(i);
-      } else {
+      if (!hits_.hit(i)) {
         add_miss(i);
+      } else if (!in_vectors) {
+        add_point(i);
       }
     }
+  }
+
+  /// Instance by instance.
+  void add_groups() {
+    const ray::HitGroups groups(hits_, static_cast<std::size_t>(rays_.count));
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      const std::span<const std::uint16_t> rays = groups.rays(g);
+      group_.collect(rays_, hits_, rays);
+      for (std::size_t k = 0; k < rays.size(); ++k) group_.sample_area.at[k] = sample_area(rays[k]);
+      group_.shade(shot_.scene, shot_.config);
+      for (std::size_t k = 0; k < rays.size(); ++k) {
+        name_point(rays[k], tile_.points.count + k);
+        write_hit(rays[k], group_.emission(k, shot_.scene), group_.reflectors.shading[k],
+                  group_.bsdfs.base[k]);
+      }
+      tile_.points.append(group_);
+    }
+  }
+  void name_point(int i, std::size_t point) {
+    const auto cell = cells_[static_cast<std::size_t>(i)];
+    tile_.cell_of[point] = cell;
+    tile_.point_of[cell] = static_cast<std::uint16_t>(point);
+    tile_.points.keys[point] = keys_[static_cast<std::size_t>(i)];
   }
 
   image::Pixel pixel(int i) const {
@@ -101,12 +127,10 @@ class TileShot {
     const ray::ShadingRequest request{surface, -glm::normalize(rays_.direction(i)), uv_per_meter(i),
                                       footprint_m(i)};
     const ray::ShadedPoint shaded = ray::shade_point(request, shot_.scene, shot_.config);
-    const auto cell = cells_[static_cast<std::size_t>(i)];
-    const std::size_t point = tile_.points.count;
-    tile_.cell_of[point] = cell;
-    tile_.point_of[cell] = static_cast<std::uint16_t>(point);
+    name_point(i, tile_.points.count);
     tile_.points.push(surface, shaded.reflector, keys_[static_cast<std::size_t>(i)]);
-    write_hit(i, request, shaded);
+    write_hit(i, shaded.emission, shaded.reflector.frame().shading,
+              shot_.scene.materials().base_color(surface, request.footprint()));
   }
   float uv_per_meter(int i) const {
     if (shot_.config.mode == Mode::Exact) return 0.0F;
@@ -115,22 +139,23 @@ class TileShot {
   /// As kernel `ray`'s: a tangent area A at depth z covers the solid angle A cos^3 and, at distance
   /// z / cos, the area A z^2 cos.
   float footprint_m(int i) const {
+    return hits_.t[i] * std::sqrt(sample_area(i) / glm::length(rays_.direction(i)));
+  }
+  /// On the tangent plane; 0: textures unfiltered.
+  float sample_area(int i) const {
     if (shot_.config.mode == Mode::Exact) return 0.0F;
     const image::Pixel at = pixel(i);
     const Vec2 cell = shot_.view.grid.footprint(at.x, at.y);
-    return hits_.t[i] * std::sqrt(cell.x * cell.y / glm::length(rays_.direction(i)));
+    return cell.x * cell.y;
   }
 
-  void write_hit(int i, const ray::ShadingRequest& request, const ray::ShadedPoint& shaded) {
+  void write_hit(int i, const Rgb& emission, const Vec3& normal, const Rgb& base_color) {
     const image::Pixel at = pixel(i);
-    out_.radiance(at.x, at.y) = shaded.emission;
+    out_.radiance(at.x, at.y) = emission;
     out_.depth_m(at.x, at.y) = central_depth(i);
     if (shot_.wanted & kSurfaceId) out_.surface_id(at.x, at.y) = hits_.instance[i] + 1;
-    if (shot_.wanted & kNormal) out_.normal(at.x, at.y) = shaded.reflector.frame().shading;
-    if (shot_.wanted & kAlbedo) {
-      out_.albedo(at.x, at.y) =
-          shot_.scene.materials().base_color(request.surface, request.footprint());
-    }
+    if (shot_.wanted & kNormal) out_.normal(at.x, at.y) = normal;
+    if (shot_.wanted & kAlbedo) out_.albedo(at.x, at.y) = base_color;
   }
   /// Where the hit's plane meets the ray through the cell's centre, unless too edge-on to be
   /// followed there (as kernel `ray`).
@@ -157,6 +182,7 @@ class TileShot {
   ViewBuffers& out_;
   visibility::RayStream rays_;
   visibility::HitStream hits_;
+  ray::SurfaceGroup group_;  ///< whole vectors are filled before they are read
   std::array<std::uint16_t, sampling::kBatch> cells_;
   std::array<sampling::SampleKey, sampling::kBatch> keys_;
 };

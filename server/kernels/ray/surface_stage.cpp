@@ -61,6 +61,10 @@ void SurfaceGroup::shade(const SceneFrame& scene, const Config& config) {
   offset_origins(surfaces, reflectors.geometric, n, ray_origin);
 }
 
+bool shades_in_vectors(const SceneFrame& scene, const LitPoints& points) {
+  return !points.keeps_whole && scene.triangles().packet_width() > 0;
+}
+
 Rgb SurfaceGroup::emission(std::size_t k, const SceneFrame& scene) const {
   const scene::Index material = scene.surfaces().material(instance);
   if (!scene.materials().emits(material)) return Rgb{0.0F};

@@ -55,4 +55,7 @@ struct SurfaceGroup {
   Rgb emission(std::size_t k, const SceneFrame& scene) const;
 };
 
+/// Whether points of the scene can go through this stage: triangles, and no whole reflectors asked.
+bool shades_in_vectors(const SceneFrame& scene, const LitPoints& points);
+
 }  // namespace macula::kernels::ray
