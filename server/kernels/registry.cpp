@@ -6,8 +6,12 @@
 
 #include "server/kernels/brute.h"
 #include "server/kernels/culling/culling_kernel.h"
+#include "server/kernels/culling/knobs.h"
+#include "server/kernels/lightcuts/knobs.h"
 #include "server/kernels/lightcuts/lightcuts_kernel.h"
+#include "server/kernels/ray/knobs.h"
 #include "server/kernels/ray/ray_kernel.h"
+#include "server/kernels/sphere/knobs.h"
 #include "server/kernels/sphere/sphere_kernel.h"
 #include "shared/base/text.h"
 
@@ -17,28 +21,39 @@ namespace {
 constexpr int kMostBounces = 1;
 constexpr int kAnyCount = std::numeric_limits<int>::max();
 
+using Made = Result<std::unique_ptr<Kernel>>;
+
+/// Options, then knobs, then the kernel that holds both.
+template <class AnyKernel, class Config>
+Made make_turned(Config config, const KnobValues& knobs) {
+  if (auto ok = turn_knobs(knobs, config); !ok) return base::forward(ok);
+  return std::make_unique<AnyKernel>(config);
+}
+
+Made make_brute(const KernelOptions& options, const KnobValues& knobs) {
+  if (!knobs.empty()) return tl::unexpected(unknown_knob("brute", knobs.front(), "none"));
+  return std::make_unique<BruteKernel>(options);
+}
+
 constexpr std::array kTable{
     KernelEntry{"ray", SceneKind::Either, 0, kAnyCount,
-                [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
-                  return std::make_unique<ray::RayKernel>(ray::make_config(options));
+                [](const KernelOptions& options, const KnobValues& knobs) {
+                  return make_turned<ray::RayKernel>(ray::make_config(options), knobs);
                 }},
     KernelEntry{"lightcuts", SceneKind::Either, 0, kAnyCount,
-                [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
-                  return std::make_unique<lightcuts::LightcutsKernel>(
-                      lightcuts::make_config(options));
+                [](const KernelOptions& options, const KnobValues& knobs) {
+                  return make_turned<lightcuts::LightcutsKernel>(lightcuts::make_config(options),
+                                                                 knobs);
                 }},
     KernelEntry{"culling", SceneKind::Either, kMostBounces, kAnyCount,
-                [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
-                  return std::make_unique<culling::CullingKernel>(culling::make_config(options));
+                [](const KernelOptions& options, const KnobValues& knobs) {
+                  return make_turned<culling::CullingKernel>(culling::make_config(options), knobs);
                 }},
     KernelEntry{"sphere", SceneKind::Field, 0, sphere::kMostSamples,
-                [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
-                  return std::make_unique<sphere::SphereKernel>(sphere::make_config(options));
+                [](const KernelOptions& options, const KnobValues& knobs) {
+                  return make_turned<sphere::SphereKernel>(sphere::make_config(options), knobs);
                 }},
-    KernelEntry{"brute", SceneKind::Either, kMostBounces, kAnyCount,
-                [](const KernelOptions& options) -> std::unique_ptr<Kernel> {
-                  return std::make_unique<BruteKernel>(options);
-                }},
+    KernelEntry{"brute", SceneKind::Either, kMostBounces, kAnyCount, make_brute},
 };
 
 SceneKind kind_of(const scene::Scene& scene) {
@@ -69,9 +84,9 @@ Result<void> check(const KernelEntry& entry, const KernelOptions& options) {
                            base::concat("this kernel takes at most ", entry.most_samples));
   }
   if (options.bounces.value_or(0) > entry.most_bounces) {
-    return base::bad_input(
-        base::concat("bounces is ", *options.bounces), std::string(entry.name),
-        base::concat("this kernel does at most ", entry.most_bounces, "; kernels brute and culling do 1"));
+    return base::bad_input(base::concat("bounces is ", *options.bounces), std::string(entry.name),
+                           base::concat("this kernel does at most ", entry.most_bounces,
+                                        "; kernels brute and culling do 1"));
   }
   return {};
 }
@@ -82,11 +97,12 @@ std::span<const KernelEntry> kernel_table() {
   return kTable;
 }
 
-Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options) {
+Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options,
+                                            const KnobValues& knobs) {
   for (const KernelEntry& entry : kTable) {
     if (entry.name != name) continue;
     if (auto ok = check(entry, options); !ok) return base::forward(ok);
-    return entry.make(options);
+    return entry.make(options, knobs);
   }
   return base::bad_input(base::concat("unknown kernel '", name, "'"), "kernel",
                          "allowed: " + list_of_names());

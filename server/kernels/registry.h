@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/kernels/kernel.h"
+#include "server/kernels/knobs.h"
 #include "server/kernels/options.h"
 #include "shared/base/result.h"
 
@@ -19,7 +20,8 @@ struct KernelEntry {
   SceneKind requires_of_scene;
   int most_bounces;  ///< KernelOptions::bounces it can do
   int most_samples;  ///< KernelOptions::samples_per_cell it can do
-  std::unique_ptr<Kernel> (*make)(const KernelOptions& options);
+  /// Options first, then knobs over them; errors are the knobs'.
+  Result<std::unique_ptr<Kernel>> (*make)(const KernelOptions& options, const KnobValues& knobs);
 };
 std::span<const KernelEntry> kernel_table();
 constexpr bool renders(const KernelEntry& entry, SceneKind kind) {
@@ -27,7 +29,9 @@ constexpr bool renders(const KernelEntry& entry, SceneKind kind) {
 }
 /// "auto" is resolved by ScenePlan before this; an unknown name answers with the list of names, an
 /// option out of range (counts below 1, or below 0 for ambient_samples and bounces) with the range.
-Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options);
+/// So does a knob that the kernel has not, or a value that it does not take.
+Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options,
+                                            const KnobValues& knobs = {});
 
 /// Whether a kernel can render a scene: an error names the kernels that can. Unknown names pass.
 Result<void> check_scene(std::string_view kernel, const scene::Scene& scene);

@@ -8,26 +8,9 @@
 namespace macula::session {
 namespace {
 
-foveation::Display scaled_display(const foveation::Display& announced, const Fov& fov,
-                                  double scale) {
-  const auto side = [&](int px) { return std::max(1, static_cast<int>(std::lround(px * scale))); };
-  return {fov, side(announced.width_px), side(announced.height_px)};
-}
-
 Result<foveation::RateModel> wanted_model(const net::Settings& wish, const ViewPolicy& policy) {
   if (wish.rate_model.empty()) return policy.rate_model;
   return foveation::find_rate_model(wish.rate_model);
-}
-
-/// On a display shrunk by `shrunk`, cells of the announced display's own size are oversampled ones:
-/// the gaze keeps its resolution in a smaller disc, the periphery pays.
-foveation::FovealGridOptions grid_options(const net::Settings& wish, const ViewPolicy& policy,
-                                          Degrees radius, double shrunk) {
-  const double oversampling =
-      wish.fovea_oversampling != 0.0 ? wish.fovea_oversampling : policy.fovea_oversampling;
-  return {.fovea_oversampling = oversampling / shrunk,
-          .full_rate_radius = shrunk * radius,
-          .guard_band = policy.guard_band};
 }
 
 Result<std::size_t> checked_cells(const PixelGrid& grid, const ViewPolicy& policy) {
@@ -42,6 +25,18 @@ Result<std::size_t> checked_cells(const PixelGrid& grid, const ViewPolicy& polic
 
 }  // namespace
 
+ScaledGrid make_scaled_grid(const foveation::Display& display, double scale, const Gaze& gaze,
+                            const foveation::RateModel& model,
+                            const foveation::FovealGridOptions& options) {
+  const auto side = [&](int px) { return std::max(1, static_cast<int>(std::lround(px * scale))); };
+  const foveation::Display small{display.fov, side(display.width_px), side(display.height_px)};
+  const double shrunk = static_cast<double>(small.width_px) / display.width_px;
+  foveation::FovealGridOptions scaled = options;
+  scaled.fovea_oversampling /= shrunk;
+  scaled.full_rate_radius = shrunk * options.full_rate_radius;
+  return {small, foveation::make_foveal_grid(small, gaze, model, scaled)};
+}
+
 Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetup& setup,
                                     const ViewPolicy& policy, double scale, GazeFilters& filters,
                                     std::span<const FollowedGaze> followed) {
@@ -54,14 +49,19 @@ Result<PreparedViews> prepare_views(const net::ViewState& view, const ClientSetu
   std::size_t cells = 0;
   for (std::size_t eye = 0; eye < view.eyes.size(); ++eye) {
     const net::EyeState& state = view.eyes[eye];
-    const foveation::Display display = scaled_display(setup.eyes[eye], state.fov, scale);
     const bool is_followed = eye < followed.size();
     const Gaze gaze = is_followed ? followed[eye].gaze : filters[eye].update(state.gaze);
     const Gaze centre = is_followed ? followed[eye].centre : gaze;
     const Degrees radius = is_followed ? followed[eye].radius : policy.full_rate_radius;
-    const double shrunk = static_cast<double>(display.width_px) / setup.eyes[eye].width_px;
-    PixelGrid grid = foveation::make_foveal_grid(
-        display, centre, *model, grid_options(setup.settings, policy, radius, shrunk));
+    const net::Settings& wish = setup.settings;
+    const foveation::Display announced{state.fov, setup.eyes[eye].width_px,
+                                       setup.eyes[eye].height_px};
+    auto [display, grid] = make_scaled_grid(
+        announced, scale, centre, *model,
+        {.fovea_oversampling =
+             wish.fovea_oversampling != 0.0 ? wish.fovea_oversampling : policy.fovea_oversampling,
+         .full_rate_radius = radius,
+         .guard_band = policy.guard_band});
     const auto count = checked_cells(grid, policy);
     if (!count) return base::forward(count);
     cells += *count;

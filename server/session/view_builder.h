@@ -24,6 +24,16 @@ struct PreparedViews {
   std::size_t cells = 0;
 };
 
+/// A foveal grid for a display shrunk by `scale` (0, 1]: cells of the whole display's own size keep
+/// the disc around the gaze, shrunk likewise, and the periphery pays.
+struct ScaledGrid {
+  foveation::Display display;  ///< shrunk; its pixels are the nominal ones that rates refer to
+  PixelGrid grid;
+};
+ScaledGrid make_scaled_grid(const foveation::Display& display, double scale, const Gaze& gaze,
+                            const foveation::RateModel& model,
+                            const foveation::FovealGridOptions& options);
+
 /// `followed`, by eye, says where grids rest and how wide full quality is; without it both follow
 /// the view's gaze and the policy. `scale` (0, 1] shrinks the nominal display that rates refer to,
 /// and the disc around the gaze that keeps the real display's resolution; the field of view stays.

@@ -35,6 +35,7 @@ constexpr Experiment kExperiments[] = {
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},
     {"reprojection", "What each way of hiding latency is worth", declare_reprojection},
     {"streaming", "The stream over links that misbehave: ages, bytes, quality", declare_streaming},
+    {"tradeoff", "Speed against accuracy: every kernel's knobs, with fronts", declare_tradeoff},
     {"warp", "What the client's warp costs", declare_warp},
 };
 

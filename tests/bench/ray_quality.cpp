@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "shared/foveation/eccentricity.h"
+#include "shared/image/bilinear.h"
 #include "shared/metrics/error.h"
 #include "shared/metrics/foveated.h"
 
@@ -18,15 +19,15 @@ Rgb held(const Rgb& radiance, float gain) {
 }  // namespace
 
 double CrossError::rmse() const {
-  return count > 0 ? std::sqrt(std::max(sum / static_cast<double>(count), 0.0)) : 0.0;
+  return weight > 0.0 ? std::sqrt(std::max(sum / weight, 0.0)) : 0.0;
 }
 
-void CrossError::add(const Rgb& first, const Rgb& second) {
+void CrossError::add(const Rgb& first, const Rgb& second, double share) {
   const Rgb between = 0.5F * (first + second), noise = first - second;
   const double error = glm::dot(between, between) / 3.0, spread = glm::dot(noise, noise) / 3.0;
-  sum += static_cast<double>(glm::dot(first, second)) / 3.0;
-  reference_variance += error * spread + 0.25 * spread * spread;
-  ++count;
+  sum += share * static_cast<double>(glm::dot(first, second)) / 3.0;
+  reference_variance += share * share * (error * spread + 0.25 * spread * spread);
+  weight += share;
 }
 
 double CrossError::relative_standard_error() const {
@@ -89,18 +90,10 @@ Plane<Rgb> on_raster(const Plane<Rgb>& cells, const PixelGrid& grid,
   const PixelGrid raster = foveation::make_uniform_grid(display);
   if (raster == grid) return cells;
   Plane<Rgb> pixels(raster.width(), raster.height());
-  const auto at = [&](int x, int y) {
-    return cells(std::clamp(x, 0, cells.width() - 1), std::clamp(y, 0, cells.height() - 1));
-  };
   for (int y = 0; y < raster.height(); ++y) {
     for (int x = 0; x < raster.width(); ++x) {
-      const auto place = grid.locate(raster.tangent(x, y));
-      if (!place) continue;
-      const float left = std::floor(place->x - 0.5F), top = std::floor(place->y - 0.5F);
-      const float tx = place->x - 0.5F - left, ty = place->y - 0.5F - top;
-      const int i = static_cast<int>(left), j = static_cast<int>(top);
-      pixels(x, y) = (1.0F - ty) * ((1.0F - tx) * at(i, j) + tx * at(i + 1, j)) +
-                     ty * ((1.0F - tx) * at(i, j + 1) + tx * at(i + 1, j + 1));
+      if (const auto place = grid.locate(raster.tangent(x, y)))
+        pixels(x, y) = image::bilinear(cells, *place);
     }
   }
   return pixels;

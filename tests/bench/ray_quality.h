@@ -11,12 +11,12 @@ inline constexpr float kBrightest = 4.0F;
 
 /// Squared errors summed up over the pixels of a region and over key frames.
 struct CrossError {
-  double sum = 0.0, reference_variance = 0.0;
-  std::size_t count = 0;
+  double sum = 0.0, reference_variance = 0.0, weight = 0.0;
 
   /// One pixel: x - r1 and x - r2. With n1, n2 the noise of the halves and E the true error, the
   /// variance of (E - n1)(E - n2) is about E^2 (n1 - n2)^2 + (n1 - n2)^4 / 4.
-  void add(const Rgb& first, const Rgb& second);
+  /// `share`: how much the pixel counts.
+  void add(const Rgb& first, const Rgb& second, double share = 1.0);
   double rmse() const;
   /// What the references' own noise does to rmse(), as a share of it.
   double relative_standard_error() const;

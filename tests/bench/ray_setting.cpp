@@ -83,7 +83,7 @@ Result<PaperLighting> find_lighting(const std::string& name) {
                          "allowed: point, area8, ao16");
 }
 
-Pose RaySetting::pose_at(double seconds) const {
+Pose swayed(const Pose& start, double seconds) {
   const auto wave = [seconds](double period_s, double amplitude) {
     return amplitude * std::sin(2.0 * std::numbers::pi * seconds / period_s);
   };
@@ -91,6 +91,10 @@ Pose RaySetting::pose_at(double seconds) const {
   const DQuat pitch = glm::angleAxis(Radians{Degrees{wave(3.1, 5.0)}}.value(), DVec3{1, 0, 0});
   const DVec3 sway{wave(2.7, 0.12), wave(1.3, 0.02), wave(5.9, 0.25)};
   return {start.position + start.rotation * sway, start.rotation * yaw * pitch};
+}
+
+Pose RaySetting::pose_at(double seconds) const {
+  return swayed(start, seconds);
 }
 
 Result<RaySetting> RaySetting::make(std::shared_ptr<const scene::Scene> scene,

@@ -14,6 +14,9 @@ namespace macula::bench {
 enum class PaperLighting { Point, Area8, Ao16 };
 Result<PaperLighting> find_lighting(const std::string& name);
 
+/// World from view after `seconds` of turns of the head and a slow sway; `start` at 0.
+Pose swayed(const Pose& start, double seconds);
+
 struct RaySetting {
   std::shared_ptr<const kernels::SceneFrame> scene;
   PaperLighting lighting = PaperLighting::Point;

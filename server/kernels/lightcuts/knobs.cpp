@@ -1,0 +1,79 @@
+#include "server/kernels/lightcuts/knobs.h"
+
+#include "server/kernels/ray/knobs.h"
+
+namespace macula::kernels::lightcuts {
+namespace {
+
+using CutKnob = Knob<Config>;
+
+/// A knob of kernel `ray` for the tiles below.
+template <bool (*kTurn)(ray::Config&, std::string_view)>
+bool turn_tiles(Config& c, std::string_view value) {
+  return kTurn(c.ray, value);
+}
+
+bool turn_sizes(Config& c, std::string_view value) {
+  return turn_choice(
+      c.sizes, value,
+      std::array{std::pair<std::string_view, CutSizes>{"uniform", CutSizes::Uniform},
+                 std::pair<std::string_view, CutSizes>{"perceived", CutSizes::Perceived}});
+}
+
+bool turn_source(Config& c, std::string_view value) {
+  using Named = std::pair<std::string_view, LightSource>;
+  return turn_choice(c.source, value,
+                     std::array{Named{"walks", LightSource::Walks},
+                                Named{"low-resolution", LightSource::LowResolution},
+                                Named{"reservoirs", LightSource::Reservoirs}});
+}
+
+bool turn_mode(Config& c, std::string_view value) {
+  using Named = std::pair<std::string_view, PerceptionMode>;
+  return turn_choice(c.perception.mode, value,
+                     std::array{Named{"printed", PerceptionMode::Printed},
+                                Named{"difference", PerceptionMode::Difference},
+                                Named{"attenuation", PerceptionMode::Attenuation},
+                                Named{"stengel", PerceptionMode::Stengel}});
+}
+
+bool turn_denoise(Config& c, std::string_view value) {
+  return turn_choice(c.denoise, value,
+                     std::array{std::pair<std::string_view, Denoise>{"no", Denoise::No},
+                                std::pair<std::string_view, Denoise>{"yes", Denoise::Yes}});
+}
+
+constexpr std::array kKnobs{
+    CutKnob{"samples", ray::kSamplesAllowed, turn_tiles<ray::turn_samples>},
+    CutKnob{"nodes", ray::kLightsAllowed, turn_tiles<ray::turn_lights>},
+    CutKnob{"ambient", ray::kAmbientAllowed, turn_tiles<ray::turn_ambient>},
+    CutKnob{"environment", ray::kLightsAllowed, turn_tiles<ray::turn_environment>},
+    CutKnob{"sizes", "uniform, perceived", turn_sizes},
+    CutKnob{"source", "walks, low-resolution, reservoirs", turn_source},
+    CutKnob{"mode", "printed, difference, attenuation, stengel", turn_mode},
+    CutKnob{"alpha", "0 to 1",
+            [](Config& c, std::string_view value) {
+              return turn_number(c.perception.alpha, value, 0.0F, 1.0F);
+            }},
+    CutKnob{"most", "1 to 1024 nodes",
+            [](Config& c, std::string_view value) {
+              return turn_number(c.most_nodes, value, 1, 1024);
+            }},
+    CutKnob{"low", "2 to 64 cells",
+            [](Config& c, std::string_view value) {
+              return turn_number(c.low_resolution, value, 2, 64);
+            }},
+    CutKnob{"rays", "1 to 64",
+            [](Config& c, std::string_view value) {
+              return turn_number(c.reservoirs.most_rays, value, 1, 64);
+            }},
+    CutKnob{"denoise", "no, yes", turn_denoise},
+};
+
+}  // namespace
+
+Result<void> turn_knobs(std::span<const KnobValue> values, Config& config) {
+  return kernels::turn_knobs("lightcuts", kKnobs, values, config);
+}
+
+}  // namespace macula::kernels::lightcuts

@@ -1,0 +1,119 @@
+#include "tests/bench/tradeoff_ladder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "shared/base/text.h"
+#include "tests/bench/tradeoff_cases.h"
+#include "tests/bench/tradeoff_front.h"
+
+namespace macula::bench {
+namespace {
+
+/// A server turns knobs and the scale; the grid's curve and the codec are set elsewhere.
+bool may_be_a_step(const std::string& config) {
+  const auto words = kernels::parse_knobs(config);
+  return words && std::ranges::none_of(*words, [](const kernels::KnobValue& word) {
+           return word.name == "grid" || word.name == "model" || word.name == "jpeg" ||
+                  word.name == "depth";
+         });
+}
+
+struct Sums {
+  double cost = 0.0, error = 0.0, ratio = 0.0;  ///< of logarithms
+  std::set<std::string> scenes;
+};
+
+std::string scenes_of(std::span<const Fields> rows) {
+  std::set<std::string> names;
+  for (const Fields& row : rows) names.insert(text_in(row, "scene"));
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "\"" : ", \"") + name + "\"";
+  return text;
+}
+
+/// Steps differ by at least this factor in cost: what lies nearer is a measurement's noise.
+constexpr double kLeastFactor = 1.1;
+
+}  // namespace
+
+std::vector<LadderStep> ladder_steps(std::span<const Fields> rows) {
+  std::map<std::string, Sums> configs;
+  std::set<std::string> scenes;
+  for (const Fields& row : rows) {
+    scenes.insert(text_in(row, "scene"));
+    const std::string config = text_in(row, "config");
+    const double difference = number_in(row, "half_difference"), error = number_in(row, "rmse_ew");
+    if (!may_be_a_step(config) || !(difference > 0.0) || !(error > 0.0)) continue;
+    Sums& sums = configs[config];
+    sums.cost += std::log(number_in(row, "cpu_ms"));
+    sums.error += std::log(error);
+    sums.ratio += std::log(error / difference);
+    sums.scenes.insert(text_in(row, "scene"));
+  }
+  std::vector<LadderStep> all;
+  std::vector<CostAndError> points;
+  for (const auto& [config, sums] : configs) {
+    if (sums.scenes != scenes) continue;
+    const auto n = static_cast<double>(scenes.size());
+    all.push_back(
+        {config, std::exp(sums.cost / n), std::exp(sums.error / n), std::exp(sums.ratio / n)});
+    points.push_back({all.back().cost_ms, all.back().rmse});
+  }
+  std::vector<LadderStep> steps;
+  for (const std::size_t i : pareto_front(points)) {
+    if (!steps.empty() && all[i].cost_ms < kLeastFactor * steps.back().cost_ms) {
+      steps.back() = all[i];  // as cheap as the one below, and better
+      continue;
+    }
+    steps.push_back(all[i]);
+  }
+  return steps;
+}
+
+Result<void> write_ladder(const std::string& folder, const std::string& kernel,
+                          std::span<const Fields> rows, const std::string& command) {
+  const std::vector<LadderStep> steps = ladder_steps(rows);
+  if (steps.size() < 2)
+    return base::bad_input(base::concat("kernel ", kernel, " has ", steps.size(), " steps"),
+                           "--ladders", "measure more configurations on every scene");
+  const double cheapest = steps.front().cost_ms, dearest = steps.back().cost_ms;
+  std::ostringstream text;
+  text.precision(4);
+  text
+      << "# Quality ladder of kernel " << kernel
+      << ": what no other configuration beats in both time and error.\n# " << command << "\n"
+      << "# quality: 0 to 10, the logarithm of cost; scale: of the periphery's resolution;\n"
+      << "# cost: of a frame over the dearest step's; rmse: display-linear, as the eye weighs it;\n"
+      << "# rmse_per_difference: over the difference of two half-sample pictures. Means over the "
+         "scenes.\n"
+      << "kernel = \"" << kernel << "\"\nscenes = [" << scenes_of(rows) << "]\n";
+  for (const LadderStep& step : steps) {
+    auto settings = parse_frame_settings(step.config);
+    if (!settings) return base::forward(settings);
+    text << "\n[[step]]\nquality = "
+         << std::round(1e3 * 10.0 * std::log(step.cost_ms / cheapest) /
+                       std::log(dearest / cheapest)) /
+                1e3
+         << "\nscale = " << settings->scale << "\nknobs = \"" << kernels::text_of(settings->knobs)
+         << "\"\ncost = " << step.cost_ms / dearest << "\nrmse = " << step.rmse
+         << "\nrmse_per_difference = " << step.per_half_difference << "\n";
+  }
+  std::error_code ignored;  // a folder that cannot be made shows when it is written to
+  std::filesystem::create_directories(folder, ignored);
+  const std::string path = base::concat(folder, "/", kernel, ".toml");
+  std::ofstream file(path, std::ios::trunc);
+  file << text.str();
+  file.close();
+  if (!file)
+    return base::bad_input("cannot be written", path, "give a folder that exists and has room");
+  return {};
+}
+
+}  // namespace macula::bench
