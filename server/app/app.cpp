@@ -1,11 +1,13 @@
 #include "server/app/app.h"
 
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 #include <random>
 #include <vector>
 
+#include "server/app/ladder_file.h"
 #include "server/exporter/exporter.h"
 #include "server/kernels/registry.h"
 #include "server/kernels/scene_timeline.h"
@@ -81,7 +83,62 @@ std::string one_line(std::string text) {
   return text;
 }
 
-session::ServerConfig server_config(const Options& options, const PlannedScene& planned) {
+/// The ladder of the kernel, and the kernel at each of its steps.
+struct Ladder {
+  std::shared_ptr<const session::QualityLadder> steps;
+  std::vector<std::shared_ptr<const kernels::Kernel>> kernels;
+};
+
+bool wants_ladder(const Options& options) {
+  return options.quality || options.max_error || options.target_ms;
+}
+
+/// A kernel without a ladder gives way in the periphery's resolution alone.
+Result<Ladder> load_ladder(const Options& options, const Environment& environment,
+                           const std::string& kernel) {
+  if (!wants_ladder(options)) return Ladder{};
+  const bool is_asked_for = !options.ladders.empty();
+  const std::string folder = is_asked_for ? options.ladders : environment.installed_ladders;
+  const std::string path = base::concat(folder, "/", kernel, ".toml");
+  if (!is_asked_for && !std::filesystem::exists(path)) {
+    if (options.max_error)
+      return base::bad_input("there is no measured ladder of kernel " + kernel, path,
+                             "--ladders DIR names another folder; or leave --max-error out");
+    std::cout << "note: no quality ladder of kernel " << kernel << " at " << path
+              << ": the periphery's resolution alone gives way\n";
+    return Ladder{};
+  }
+  const auto file = load_ladder_file(path);
+  if (!file) return base::forward(file);
+  if (file->kernel != kernel)
+    return base::bad_input("is the ladder of kernel " + file->kernel, path, "that of " + kernel);
+  Ladder ladder{std::make_shared<session::QualityLadder>(file->ladder), {}};
+  for (const session::QualityStep& step : file->ladder.steps()) {
+    auto made = kernels::make_kernel(kernel, kernel_options(options), step.knobs);
+    if (!made) return base::forward(made);
+    ladder.kernels.push_back(std::move(*made));
+  }
+  return ladder;
+}
+
+void print_ladder(const Ladder& ladder, const Options& options) {
+  if (ladder.steps == nullptr) return;
+  const double quality = options.max_error && !options.target_ms && !options.quality
+                             ? ladder.steps->quality_for_error(*options.max_error)
+                             : options.quality.value_or(session::kBestQuality);
+  const session::QualityPoint point = ladder.steps->at(quality),
+                              floor = ladder.steps->at(session::kLeastQuality);
+  std::cout << "quality " << point.quality << " of 10: periphery " << point.scale << ", knobs "
+            << kernels::text_of(ladder.steps->steps()[point.step].knobs) << ", measured error "
+            << point.rmse << "; the floor has " << floor.rmse << " for " << floor.cost / point.cost
+            << " of its time\n";
+  if (options.max_error && point.rmse > *options.max_error)
+    std::cout << "warning: --max-error " << *options.max_error
+              << " is less than the ladder's best; the best is rendered\n";
+}
+
+session::ServerConfig server_config(const Options& options, const PlannedScene& planned,
+                                    const Ladder& ladder) {
   const scene::Scene& scene = *planned.scene;
   const scene::SceneFacts& facts = planned.facts;
   session::ServerConfig config;
@@ -96,10 +153,13 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   config.views.guard_band = Degrees{options.guard_deg};
   config.rules.longest_horizon = units::from_ms(options.predict_ms);
   if (options.predict_ms > 0.0) config.rules.most_guard_band = Degrees{15.0};
-  config.jpeg_quality = options.quality;
+  config.jpeg_quality = options.color_quality;
+  config.ladder = ladder.steps, config.ladder_kernels = ladder.kernels;
+  config.quality = options.quality, config.most_rmse = options.max_error;
   if (options.age_ms > 0.0) config.age_goal = units::from_ms(options.age_ms);
   if (options.target_ms) config.target_frame_time = units::from_ms(*options.target_ms);
   Options told = options;
+  told.ladders.clear();
   told.keys.clear();  // travels in frames; where keys lie is nobody's business
   told.threads = 0;   // makes no difference to any frame
   told.metrics.clear();
@@ -146,12 +206,12 @@ void serve(session::Server& server, const exporter::Exporter* exporter, const Op
 
 /// Makes a recording's frames again; the same scene, kernel and options give the same bytes.
 Result<void> replay_scene(const Options& options, const PlannedScene& planned,
-                          std::unique_ptr<kernels::Kernel> kernel) {
+                          std::unique_ptr<kernels::Kernel> kernel, const Ladder& ladder) {
   const auto recording = session::load_recording(options.replay);
   if (!recording) return base::forward(recording);
   auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
   if (!timeline) return base::forward(timeline);
-  const session::ServerConfig config = server_config(options, planned);
+  const session::ServerConfig config = server_config(options, planned, ladder);
   if (recording->description != config.description)
     std::cout << "recorded with: " << recording->description << "\n";
   std::uint64_t all = 0;
@@ -169,7 +229,8 @@ Result<void> replay_scene(const Options& options, const PlannedScene& planned,
 }
 
 Result<void> serve_scene(const Options& options, const PlannedScene& planned,
-                         std::unique_ptr<kernels::Kernel> kernel, StopSignal& stop) {
+                         std::unique_ptr<kernels::Kernel> kernel, const Ladder& ladder,
+                         StopSignal& stop) {
   const base::SteadyClock clock;
   auto endpoint = open_endpoint(options, clock);
   if (!endpoint) return base::forward(endpoint);
@@ -182,7 +243,7 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned,
   parts.scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
   parts.clock = &clock;
   parts.random = system_random();
-  session::ServerConfig config = server_config(options, planned);
+  session::ServerConfig config = server_config(options, planned, ladder);
   if (!options.record.empty()) {
     auto recorder = session::Recorder::create(options.record, config.description);
     if (!recorder) return base::forward(recorder);
@@ -223,13 +284,17 @@ Result<void> run(Options options, const Environment& environment, StopSignal& st
   auto kernel = kernels::make_kernel(planned.kernel.kernel, kernel_options(options));
   if (!kernel) return base::forward(kernel);
 
+  const auto ladder = load_ladder(options, environment, std::string(planned.kernel.kernel));
+  if (!ladder) return base::forward(ladder);
+
   std::cout << describe(options);
   print_assumptions(*planned.scene);
   print_plan(planned);
+  print_ladder(*ladder, options);
   if (options.explain) return {};
   std::cout << std::flush;
-  if (!options.replay.empty()) return replay_scene(options, planned, std::move(*kernel));
-  return serve_scene(options, planned, std::move(*kernel), stop);
+  if (!options.replay.empty()) return replay_scene(options, planned, std::move(*kernel), *ladder);
+  return serve_scene(options, planned, std::move(*kernel), *ladder, stop);
 }
 
 }  // namespace macula::server_app

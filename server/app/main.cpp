@@ -1,6 +1,7 @@
 // macula-server: reads arguments and environment, runs, and turns errors into exit statuses.
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 
 #include "server/app/app.h"
@@ -15,6 +16,14 @@ using namespace macula;
 int report(const Error& error) {
   std::cerr << "macula-server: " << error.message() << "\n";
   return error.exit_status();
+}
+
+/// PREFIX/share/macula/ladders of a program in PREFIX/bin; empty where nobody can tell.
+std::string ladders_beside_program() {
+  std::error_code unknown;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+  if (unknown) return {};
+  return (program.parent_path().parent_path() / "share" / "macula" / "ladders").string();
 }
 
 Result<void> run_command(const server_app::Command& command,
@@ -35,7 +44,8 @@ int guarded_main(int argc, char** argv) {
   }
   server_app::StopSignal stop;
   const server_app::Environment environment{
-      net::default_key_folder(std::getenv("XDG_CONFIG_HOME"), std::getenv("HOME"))};
+      net::default_key_folder(std::getenv("XDG_CONFIG_HOME"), std::getenv("HOME")),
+      ladders_beside_program()};
   const auto done = run_command(*parsed, environment, stop);
   return done ? EXIT_SUCCESS : report(done.error());
 }

@@ -20,7 +20,8 @@ Examples:
   macula-server pair                            let a client of another machine in, by a code
   macula-server --bind tcp://*:7788             serve clients elsewhere
   macula-server clients list                    who may connect; clients revoke NAME takes it back
-  macula-server --target-ms 25 --quality 75     hold a frame time, spend fewer bytes
+  macula-server --target-ms 25                  hold a frame time by the kernel's quality ladder
+  macula-server --quality 4 --color-quality 75  spend less on rays and on bytes
 )";
 
 void declare(CLI::App& app, Options& options) {
@@ -39,6 +40,14 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--keys", options.keys, "Key folder [$XDG_CONFIG_HOME/macula]");
   app.add_option("--config", options.config, "Settings file (TOML); options here win over it");
   app.add_option("--target-ms", options.target_ms, "Render time to hold by lowering quality, ms");
+  app.add_option("--quality", options.quality,
+                 "0 (fast) to 10 (good) on the kernel's measured ladder; with --target-ms at most")
+      ->option_text("NUMBER");
+  app.add_option("--max-error", options.max_error,
+                 "RMSE of display values from 0 to 1, as the eye weighs it, that quality never "
+                 "goes beyond; without --target-ms no better than that")
+      ->option_text("NUMBER");
+  app.add_option("--ladders", options.ladders, "Folder of quality ladders, KERNEL.toml each");
   app.add_option("--rate-model", options.rate_model, "How sampling falls off from the gaze")
       ->capture_default_str();
   app.add_option("--oversampling", options.oversampling,
@@ -58,7 +67,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--codec", options.codec,
                  "Colour: auto (the best both ends know), jpeg, h264 or lossless")
       ->capture_default_str();
-  app.add_option("--quality", options.quality,
+  app.add_option("--color-quality", options.color_quality,
                  "Quality of colour on JPEG's scale, 1 to 100; H.264's quantiser is 56 - 0.4 of it")
       ->capture_default_str();
   app.add_option("--area-samples", options.area_samples,
@@ -155,7 +164,12 @@ Result<Command> parse_options(int argc, const char* const* argv) {
 Result<void> check_options(const Options& o) {
   if (o.target_ms)
     if (auto ok = in_range("--target-ms", *o.target_ms, 0.1, 10'000.0); !ok) return ok;
-  if (auto ok = in_range("--quality", o.quality, 1, 100); !ok) return ok;
+  if (o.quality && !(*o.quality >= 0.0 && *o.quality <= 10.0))
+    return base::bad_input(base::concat("is ", *o.quality), "--quality",
+                           "0 to 10; --color-quality is that of colour");
+  if (o.max_error)
+    if (auto ok = in_range("--max-error", *o.max_error, 1e-6, 1.0); !ok) return ok;
+  if (auto ok = in_range("--color-quality", o.color_quality, 1, 100); !ok) return ok;
   if (auto ok = in_range("--area-samples", o.area_samples, 1, 1024); !ok) return ok;
   if (auto ok = in_range("--ambient-samples", o.ambient_samples, 0, 1024); !ok) return ok;
   if (auto ok = in_range("--threads", o.threads, 0, 1024); !ok) return ok;
@@ -185,9 +199,11 @@ std::string describe(const Options& o) {
   text << "scene = " << quoted(o.scene) << "\nkernel = " << quoted(o.kernel)
        << "\nbind = " << quoted(o.bind) << "\nkeys = " << quoted(o.keys) << '\n';
   if (o.target_ms) text << "target_ms = " << *o.target_ms << '\n';
+  if (o.quality) text << "quality = " << *o.quality << '\n';
+  if (o.max_error) text << "max_error = " << *o.max_error << '\n';
   text << "rate_model = " << quoted(o.rate_model) << "\noversampling = " << o.oversampling
        << "\nguard_deg = " << o.guard_deg << "\npredict_ms = " << o.predict_ms
-       << "\nage_ms = " << o.age_ms << "\nquality = " << o.quality
+       << "\nage_ms = " << o.age_ms << "\ncolor_quality = " << o.color_quality
        << "\ncodec = " << quoted(o.codec) << "\narea_samples = " << o.area_samples
        << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
        << "\nreuse = " << (o.reuse ? "true" : "false")

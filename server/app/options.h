@@ -15,14 +15,17 @@ struct Options {
   std::string kernel = "auto";                ///< auto or a registered name
   std::string bind = "tcp://127.0.0.1:7788";  ///< port 0 picks a free one
   std::string keys;                           ///< folder; empty: the user's own
-  std::optional<double> target_ms;  ///< render time the governor holds; none: full quality
+  std::optional<double> target_ms;            ///< render time the governor holds; none: any
+  std::optional<double> quality;    ///< 0..10 on the kernel's ladder; none: its own settings
+  std::optional<double> max_error;  ///< RMSE that quality never goes beyond; none: any
+  std::string ladders;              ///< folder of quality ladders; empty: those installed
   std::string config;               ///< settings file, TOML
   std::string rate_model = "cortical";
   double oversampling = 1.0;   ///< cells per display pixel at the gaze
   double guard_deg = 4.0;      ///< rendered beyond the display on every side, 0..15
   double predict_ms = 0.0;     ///< how far ahead of a view's head frames may be rendered; 0: not
   double age_ms = 100.0;       ///< how old frames may be shown on a slow link; 0: any age
-  int quality = 85;            ///< of colour on JPEG's scale, 1..100
+  int color_quality = 85;      ///< on JPEG's scale, 1..100
   std::string codec = "auto";  ///< auto, jpeg, h264 or lossless
   int area_samples = 8;        ///< per primary sample, over all emissive triangles
   int ambient_samples = 4;     ///< per primary sample

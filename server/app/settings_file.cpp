@@ -1,16 +1,13 @@
 #include "server/app/settings_file.h"
 
-#include <algorithm>
 #include <array>
 #include <exception>
-#include <filesystem>
-#include <fstream>
 #include <sstream>
 #include <string_view>
 #include <toml.hpp>
 
+#include "server/app/toml_text.h"
 #include "shared/base/text.h"
-#include "shared/base/utf8.h"
 
 namespace macula::server_app {
 namespace {
@@ -73,6 +70,9 @@ constexpr std::array kKeys{
     Key{"predict_ms", apply<&Options::predict_ms>},
     Key{"age_ms", apply<&Options::age_ms>},
     Key{"quality", apply<&Options::quality>},
+    Key{"color_quality", apply<&Options::color_quality>},
+    Key{"max_error", apply<&Options::max_error>},
+    Key{"ladders", apply<&Options::ladders>},
     Key{"codec", apply<&Options::codec>},
     Key{"area_samples", apply<&Options::area_samples>},
     Key{"ambient_samples", apply<&Options::ambient_samples>},
@@ -101,27 +101,6 @@ Result<void> apply_entry(const std::string& path, const std::string& name, const
   return base::bad_input(base::concat("unknown key '", name, "'"), where, "known: " + known_keys());
 }
 
-/// toml11 explains itself over several lines; the first says what is wrong.
-std::string first_line(std::string text) {
-  return text.substr(0, text.find('\n'));
-}
-
-Result<std::string> read_text(const std::string& path) {
-  std::error_code ignored;
-  std::ifstream file(path, std::ios::binary);
-  if (!std::filesystem::is_regular_file(path, ignored) || !file)
-    return base::bad_input("cannot read the settings file", path, "give a TOML file");
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  std::string text = std::move(bytes).str();
-  // The parser reads beyond its memory where a string is no UTF-8 (toml11 3.7.1).
-  if (const auto valid = base::valid_utf8_bytes(text); valid < text.size()) {
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(valid), '\n');
-    return base::bad_input("is no UTF-8 text", base::concat(path, ":", line), "TOML is expected");
-  }
-  return text;
-}
-
 }  // namespace
 
 std::vector<std::string> settings_keys() {
@@ -131,7 +110,7 @@ std::vector<std::string> settings_keys() {
 }
 
 Result<void> apply_settings_file(const std::string& path, Options& options) {
-  auto text = read_text(path);
+  auto text = read_toml_text(path);
   if (!text) return base::forward(text);
   try {
     std::istringstream stream(std::move(*text));

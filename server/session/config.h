@@ -3,10 +3,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "server/kernels/kernel.h"
 #include "server/session/hello.h"
+#include "server/session/quality_ladder.h"
 #include "server/session/rules.h"
 #include "shared/codec/h264.h"
 #include "shared/codec/quantiser_offsets.h"
@@ -45,6 +49,12 @@ struct ServerConfig {
   codec::H264Options h264;
   codec::FovealQuantiser quantiser_range;        ///< of H.264 over the picture
   std::optional<Nanoseconds> target_frame_time;  ///< of rendering; nullopt: full quality always
+  /// What quality is: steps of settings, their cost and error. Null: the periphery's resolution.
+  std::shared_ptr<const QualityLadder> ladder;
+  /// The kernel with each step's knobs turned; empty: the kernel as it is, always.
+  std::vector<std::shared_ptr<const kernels::Kernel>> ladder_kernels;
+  std::optional<double> quality;    ///< 0..10 on the ladder, with a target time at most; none: 10
+  std::optional<double> most_rmse;  ///< never below the quality that has it
   std::optional<Nanoseconds> age_goal;  ///< of shown frames; nullopt: full quality on any link
   std::uint64_t seed = 1;               ///< of every frame's samples
   int encode_threads = 2;               ///< eyes are encoded side by side where a core is idle

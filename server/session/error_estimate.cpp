@@ -1,7 +1,6 @@
 #include "server/session/error_estimate.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "server/session/view_builder.h"
 #include "shared/foveation/eccentricity.h"
@@ -11,14 +10,15 @@
 namespace macula::session {
 namespace {
 
-/// Of the scale at which a grid has half the cells; the two lie apart, so that cells do not
-/// coincide outside the disc of full rate, and together they have about a frame's cells.
-constexpr double kApart = 0.06;
+/// Scales of the two, whose squares add up to 1: together they have about a frame's cells. They lie
+/// apart, so that they are blurred unlike: what is blurred out of both, none could tell.
+constexpr double kFiner = 0.85, kCoarser = 0.527;
 constexpr std::uint64_t kOtherSeed = 0x9E37'79B9'7F4A'7C15U;
 
 struct HalfPicture {
   PixelGrid grid;
   image::Plane<Rgb> radiance;
+  bool stopped = false;
 };
 
 HalfPicture render_half(const kernels::Kernel& kernel, const kernels::SceneFrame& scene,
@@ -32,19 +32,21 @@ HalfPicture render_half(const kernels::Kernel& kernel, const kernels::SceneFrame
   const FoveationMap map({{view.grid, view.gaze, display.pixel_tangent()}}, frame.model);
   kernels::History none;
   kernels::FrameBuffers out;
-  kernel.render({{&view, 1}, map, frame.frame, seed}, scene, none, scheduler, out);
-  return {view.grid, std::move(out.views.front().radiance)};
+  const auto report =
+      kernel.render({{&view, 1}, map, frame.frame, seed}, scene, none, scheduler, out);
+  return {view.grid, std::move(out.views.front().radiance), report.stopped};
 }
 
 }  // namespace
 
-double half_picture_difference(const kernels::Kernel& kernel, const kernels::SceneFrame& scene,
-                               const FrameToJudge& frame, kernels::TileScheduler& scheduler) {
-  const double half = 1.0 / std::numbers::sqrt2;
-  const HalfPicture a =
-      render_half(kernel, scene, frame, half * (1.0 + kApart), frame.seed, scheduler);
+std::optional<double> half_picture_difference(const kernels::Kernel& kernel,
+                                              const kernels::SceneFrame& scene,
+                                              const FrameToJudge& frame,
+                                              kernels::TileScheduler& scheduler) {
+  const HalfPicture a = render_half(kernel, scene, frame, kFiner, frame.seed, scheduler);
   const HalfPicture b =
-      render_half(kernel, scene, frame, half * (1.0 - kApart), frame.seed ^ kOtherSeed, scheduler);
+      render_half(kernel, scene, frame, kCoarser, frame.seed ^ kOtherSeed, scheduler);
+  if (a.stopped || b.stopped) return std::nullopt;
   const PixelGrid& cells = frame.view.grid;
   double sum = 0.0, weights = 0.0;
   for (int y = 0; y < cells.height(); ++y) {

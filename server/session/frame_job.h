@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/kernels/frame_buffers.h"
@@ -18,6 +19,7 @@ struct RenderMemory {
   std::uint32_t epoch = 0;
   kernels::History history;
   bool history_is_torn = true;  ///< before the first frame, and after one that was stopped half way
+  std::uint32_t ladder_step = 0;   ///< that history was made with
   GazeFilters gaze;
   /// The encode thread's own; nobody else looks inside.
   std::shared_ptr<EncodeMemory> encode = std::make_shared<EncodeMemory>();
@@ -33,6 +35,9 @@ struct FrameJob {
   foveation::RateModel rate_model;
   Degrees guard_band{0.0};
   double scale = 1.0;  ///< of the nominal display, by the governor
+  /// Display-linear, as the eye weighs it, found from half-sample pictures; of frames that are
+  /// judged.
+  std::optional<double> estimated_rmse;
   kernels::SceneTime scene_time;
   bool starts_history = false;  ///< it remembers no frame before it
   /// render_end is encode_begin: waiting for the encoder belongs to the encode stage.

@@ -17,7 +17,7 @@
 namespace macula::session {
 namespace {
 
-constexpr const char* kHeader = "macula-recording 1\n";
+constexpr const char* kHeader = "macula-recording 2\n";
 constexpr std::uint32_t kMostBlockBytes = 1U << 20;
 
 /// Numbers one after another, as they lie in memory (little-endian machines only, like Macula).
@@ -89,6 +89,7 @@ void put_quality(const Quality& quality, Writer& out) {
   out.put(static_cast<std::uint64_t>(quality.bytes.color_bytes));
   out.put(static_cast<std::int32_t>(quality.bytes.depth_divisor));
   out.put(static_cast<std::uint8_t>(quality.color));
+  out.put(quality.step);
 }
 Quality take_quality(Reader& in) {
   Quality quality;
@@ -96,6 +97,7 @@ Quality take_quality(Reader& in) {
   quality.bytes.color_bytes = in.take<std::uint64_t>();
   quality.bytes.depth_divisor = in.take<std::int32_t>();
   quality.color = static_cast<Quality::Color>(in.take<std::uint8_t>());
+  quality.step = in.take<std::uint32_t>();
   return quality;
 }
 

@@ -4,6 +4,8 @@
 #include <thread>
 #include <utility>
 
+#include "server/session/error_estimate.h"
+
 namespace macula::session {
 
 RenderStage::RenderStage(const ServerConfig& config, std::shared_ptr<kernels::SceneTimeline> scene,
@@ -16,6 +18,35 @@ RenderStage::RenderStage(const ServerConfig& config, std::shared_ptr<kernels::Sc
       scheduler_(std::move(scheduler)),
       clock_(clock),
       scene_clock_(now()) {}
+
+const kernels::Kernel& RenderStage::kernel_for(const FrameJob& job, RenderMemory& memory) const {
+  const std::uint32_t step = job.start.quality.step;
+  if (step >= config_.ladder_kernels.size()) return *kernel_;
+  if (memory.ladder_step != step) memory.history = {};
+  memory.ladder_step = step;
+  return *config_.ladder_kernels[step];
+}
+
+/// By the first eye; both show the same scene at the same quality.
+void RenderStage::judge(FrameJob& job, const kernels::Kernel& kernel,
+                        const kernels::SceneFrame& scene, const ViewPolicy& policy) {
+  job.estimated_rmse.reset();
+  if (!(job.start.quality.rmse_per_difference > 0.0)) return;
+  foveation::Display display = job.start.setup->eyes.front();
+  display.fov = job.start.view.eyes.front().fov;
+  const auto difference = half_picture_difference(kernel, scene,
+                                                  {job.views.front(),
+                                                   display,
+                                                   job.scale,
+                                                   job.rate_model,
+                                                   {.fovea_oversampling = policy.fovea_oversampling,
+                                                    .full_rate_radius = policy.full_rate_radius,
+                                                    .guard_band = policy.guard_band},
+                                                   job.start.key.frame,
+                                                   config_.seed},
+                                                  *scheduler_);
+  if (difference) job.estimated_rmse = job.start.quality.rmse_per_difference * *difference;
+}
 
 Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
                                           std::stop_token stop) {
@@ -39,10 +70,12 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
   scheduler_->set_stop_token(std::move(stop));
   const kernels::FrameRequest request{job.views, prepared->foveation, job.start.key.frame,
                                       config_.seed};
-  job.report = kernel_->render(request, **scene, memory.history, *scheduler_, job.buffers);
+  const kernels::Kernel& kernel = kernel_for(job, memory);
+  job.report = kernel.render(request, **scene, memory.history, *scheduler_, job.buffers);
   std::this_thread::sleep_for(config_.delays.render);
   job.render_end = now();
   if (job.report.stopped) return RenderOutcome::Stopped;
+  judge(job, kernel, **scene, policy);
   return RenderOutcome::Rendered;
 }
 

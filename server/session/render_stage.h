@@ -28,6 +28,10 @@ class RenderStage {
   Result<RenderOutcome> render(FrameJob& job, RenderMemory& memory, std::stop_token stop);
 
  private:
+  /// The kernel with the knobs of the frame's step turned; another step starts a new history.
+  const kernels::Kernel& kernel_for(const FrameJob& job, RenderMemory& memory) const;
+  void judge(FrameJob& job, const kernels::Kernel& kernel, const kernels::SceneFrame& scene,
+             const ViewPolicy& policy);
   ServerTime now() const { return ServerTime{clock_.now()}; }
 
   const ServerConfig& config_;

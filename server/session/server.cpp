@@ -18,7 +18,8 @@ constexpr Nanoseconds kTick = std::chrono::milliseconds{10};
 /// The rules with what the rest of the configuration says about them.
 SessionRules rules_of(const ServerConfig& config) {
   SessionRules rules = config.rules;
-  rules.goals = {config.target_frame_time, config.age_goal};
+  rules.goals = {config.target_frame_time, config.age_goal, config.ladder, config.quality,
+                 config.most_rmse};
   rules.gaze.base_radius = config.views.full_rate_radius;
   return rules;
 }
@@ -64,7 +65,7 @@ auto within_memory(Work&& work) -> decltype(work()) {
 
 Result<void> check_config(const ServerConfig& config) {
   if (config.jpeg_quality < 1 || config.jpeg_quality > 100)
-    return base::bad_input(base::concat("JPEG quality ", config.jpeg_quality), "quality",
+    return base::bad_input(base::concat("JPEG quality ", config.jpeg_quality), "color-quality",
                            "1 to 100");
   if (config.age_goal && *config.age_goal <= Nanoseconds::zero())
     return base::bad_input("the goal for the age of frames is not positive", "age-ms");
@@ -203,6 +204,12 @@ void Server::render(Job job, NextFrame next) {
       telemetry_.cells += job->cells;
       telemetry_.non_finite_samples += job->report.non_finite_samples;
       telemetry_.newest_scale = job->scale;
+      telemetry_.newest_quality = job->start.quality.quality;
+      telemetry_.measured_rmse = job->start.quality.rmse;
+      if (job->estimated_rmse) {
+        telemetry_.estimated_rmse = *job->estimated_rmse;
+        table_.on_error_estimated(key, *job->estimated_rmse);
+      }
       table_.on_frame_rendered(key, job->render_end - job->render_begin);
     } else if (outcome) {
       ++telemetry_.frames_stopped;

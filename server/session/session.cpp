@@ -153,6 +153,10 @@ void Session::on_frame_rendered(const FrameKey& key, Nanoseconds render) {
   if (is_mine(key)) governor_.on_rendered(render);
 }
 
+void Session::on_error_estimated(const FrameKey& key, double rmse) {
+  if (is_mine(key)) governor_.on_error_estimated(rmse);
+}
+
 Actions Session::on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size) {
   if (!is_mine(key) || !credit_.is_unsent(key.frame)) return {};
   if (size.cells > 0) governor_.on_encoded(size);

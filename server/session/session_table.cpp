@@ -221,6 +221,11 @@ void SessionTable::on_frame_rendered(const FrameKey& key, Nanoseconds render) {
     found->second.on_frame_rendered(key, render);
 }
 
+void SessionTable::on_error_estimated(const FrameKey& key, double rmse) {
+  if (const auto found = sessions_.find(key.session); found != sessions_.end())
+    found->second.on_error_estimated(key, rmse);
+}
+
 Actions SessionTable::on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size) {
   const auto found = sessions_.find(key.session);
   return found == sessions_.end() ? Actions{} : found->second.on_frame_ready(key, now, size);

@@ -41,6 +41,7 @@ class SessionTable {
   /// Whether the frame still belongs to a living epoch; others are dropped by whoever holds them.
   bool expects(const FrameKey& key) const;
   void on_frame_rendered(const FrameKey& key, Nanoseconds render);
+  void on_error_estimated(const FrameKey& key, double rmse);
   Actions on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size = {});
   void on_frame_abandoned(const FrameKey& key);
   /// The server ends: a Bye to everybody, and nobody is left.

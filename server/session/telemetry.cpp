@@ -28,6 +28,20 @@ std::string ms(double value) {
   return text;
 }
 
+/// "quality 6.3 of 10, periphery 0.61, error 0.021 measured, 0.024 estimated".
+std::string quality_text(const Telemetry& t) {
+  const auto number = [](const char* form, double value) {
+    char text[48];
+    std::snprintf(text, sizeof(text), form, value);
+    return std::string(text);
+  };
+  std::string text =
+      number("quality %.1f of 10", t.newest_quality) + number(", periphery %.2f", t.newest_scale);
+  if (t.measured_rmse > 0.0) text += number(", error %.2g measured", t.measured_rmse);
+  if (t.estimated_rmse > 0.0) text += number(", %.2g estimated", t.estimated_rmse);
+  return text;
+}
+
 }  // namespace
 
 std::string summary_line(const Telemetry& t) {
@@ -37,7 +51,7 @@ std::string summary_line(const Telemetry& t) {
                       ms(median_of(t.recent, &StageTimes::view_wait_ms)), ", render ",
                       ms(median_of(t.recent, &StageTimes::render_ms)), ", encode ",
                       ms(median_of(t.recent, &StageTimes::encode_ms)), ", send ",
-                      ms(median(t.recent_send_ms)), "; quality ", t.newest_scale);
+                      ms(median(t.recent_send_ms)), "; ", quality_text(t));
 }
 
 }  // namespace macula::session

@@ -28,6 +28,9 @@ struct Telemetry {
   std::uint64_t frames_rendered = 0, frames_encoded = 0, frames_stopped = 0, frames_failed = 0;
   std::uint64_t rays = 0, cells = 0, non_finite_samples = 0;
   double newest_scale = 1.0;           ///< of the governor, for the last frame rendered
+  double newest_quality = 10.0;        ///< 0..10, where it was on the kernel's ladder
+  double measured_rmse = 0.0;          ///< of that place, when the ladder was made; 0: never
+  double estimated_rmse = 0.0;         ///< of the last frame that was judged; 0: none was
   std::vector<StageTimes> recent;      ///< oldest first, at most 64 frames
   std::vector<double> recent_send_ms;  ///< from hand-over to last byte, oldest first, at most 64
   std::vector<SessionState> now;       ///< the sessions alive

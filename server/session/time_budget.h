@@ -1,34 +1,54 @@
-// TimeBudget: a budget of rendering time becomes quality: a linear scale of the periphery's
-// resolution and of the disc that keeps full resolution around the gaze, so that cells, and with
-// them the cost of a frame, go with its square. Proportional control on smoothed render times with
-// a dead band; without a target it always answers 1. The governor owns it. Pure.
+// TimeBudget: a budget of rendering time becomes a place on a quality ladder. Frame times over what
+// the ladder says of their place's cost tell how long everything takes here and now; the place is
+// the best one whose frames are foretold to fit. Holds the 90th percentile, so that most frames
+// keep the target; without a target it answers the best quality allowed. The governor owns it.
+// Pure.
 #pragma once
 
+#include <deque>
+#include <memory>
 #include <optional>
 
+#include "server/session/quality_ladder.h"
 #include "shared/units/time.h"
 
 namespace macula::session {
 
 class TimeBudget {
  public:
-  static constexpr double kLeastScale = 0.4;
+  /// Bounds of quality; what --max-error asks is a least one.
+  struct Limits {
+    double least = kLeastQuality, most = kBestQuality;
+  };
 
-  /// nullopt: off.
-  explicit TimeBudget(std::optional<Nanoseconds> target = std::nullopt) : target_(target) {}
+  /// nullopt: off. Without a ladder of its own it has QualityLadder::of_scale().
+  explicit TimeBudget(std::optional<Nanoseconds> target = std::nullopt,
+                      std::shared_ptr<const QualityLadder> ladder = nullptr);
 
-  /// Scale of the nominal display's width and height for the next frame, in [kLeastScale, 1], in
-  /// steps of 1/20.
-  double scale() const;
-  /// A frame begun at scale() took `render`.
+  /// For the frame that begins now.
+  QualityPoint plan(ServerTime now);
+  /// The frame of the last plan took `render`.
   void on_frame(Nanoseconds render);
+  void set_limits(const Limits& limits);
+  const QualityLadder& ladder() const { return *ladder_; }
 
  private:
-  static constexpr int kSteps = 20;
+  /// Of the frames since the last change, over the target; nullopt: too few to tell.
+  std::optional<double> load() const;
+  void fall(double load, ServerTime now);
+  void rise(double load, ServerTime now);
+  void change_to(double quality, ServerTime now);
+  /// The best quality, in tenths, of at most this cost.
+  double quality_of_cost(double cost) const;
+
   std::optional<Nanoseconds> target_;
-  int step_ = kSteps;  ///< scale() = step_ / kSteps
-  double smoothed_ms_ = 0.0;
-  int frames_at_step_ = 0;
+  std::shared_ptr<const QualityLadder> ladder_;
+  Limits limits_;
+  double quality_;
+  std::deque<double> frames_ms_;  ///< since the last change, the newest ones
+  bool is_new_ = true;            ///< nothing is known of this scene: the first change may be large
+  std::optional<ServerTime> changed_, risen_;
+  Nanoseconds patience_;  ///< before it rises again; longer after each rise that did not hold
 };
 
 }  // namespace macula::session

@@ -81,7 +81,7 @@ TEST(Options, EveryOptionLandsInItsField) {
                             "1.5",
                             "--codec",
                             "lossless",
-                            "--quality",
+                            "--color-quality",
                             "70",
                             "--area-samples",
                             "3",
@@ -109,7 +109,7 @@ TEST(Options, EveryOptionLandsInItsField) {
   EXPECT_EQ(o.guard_deg, 7.5);
   EXPECT_EQ(o.predict_ms, 60.0);
   EXPECT_EQ(o.codec, "lossless");
-  EXPECT_EQ(o.quality, 70);
+  EXPECT_EQ(o.color_quality, 70);
   EXPECT_EQ(o.area_samples, 3);
   EXPECT_EQ(o.ambient_samples, 0);
   EXPECT_EQ(o.threads, 2);
@@ -130,8 +130,8 @@ TEST(Options, HelpShowsOptionsAndExamples) {
 }
 
 TEST(Options, ValuesOutOfRangeAreNamedWithWhatIsAllowed) {
-  EXPECT_NE(error_of({"--quality", "0"}).find("--quality"), std::string::npos);
-  EXPECT_NE(error_of({"--quality", "0"}).find("1 to 100"), std::string::npos);
+  EXPECT_NE(error_of({"--color-quality", "0"}).find("--color-quality"), std::string::npos);
+  EXPECT_NE(error_of({"--color-quality", "0"}).find("1 to 100"), std::string::npos);
   EXPECT_NE(error_of({"--target-ms", "-3"}).find("--target-ms"), std::string::npos);
   EXPECT_NE(error_of({"--target-ms", "nan"}).find("--target-ms"), std::string::npos);
   EXPECT_NE(error_of({"--oversampling", "1.2"}).find("1.5"), std::string::npos);
@@ -145,10 +145,10 @@ TEST(Options, ValuesOutOfRangeAreNamedWithWhatIsAllowed) {
 
 TEST_F(SettingsFile, FillsInWhatTheCommandLineLeavesOpen) {
   const std::string file =
-      write("scene = \"posts\"\nquality = 60\ntarget_ms = 20\nverbose = true\n");
-  const Options o = parsed({"--config", file.c_str(), "--quality", "70"});
+      write("scene = \"posts\"\ncolor_quality = 60\ntarget_ms = 20\nverbose = true\n");
+  const Options o = parsed({"--config", file.c_str(), "--color-quality", "70"});
   EXPECT_EQ(o.scene, "posts");
-  EXPECT_EQ(o.quality, 70);
+  EXPECT_EQ(o.color_quality, 70);
   EXPECT_EQ(o.target_ms, 20.0);
   EXPECT_TRUE(o.verbose);
 }
@@ -162,7 +162,7 @@ TEST_F(SettingsFile, AnUnknownKeyIsAnErrorWithItsLine) {
 }
 
 TEST_F(SettingsFile, AValueOfTheWrongTypeIsAnErrorWithItsLine) {
-  const std::string file = write("# a comment\nquality = \"high\"\n");
+  const std::string file = write("# a comment\ncolor_quality = \"high\"\n");
   const std::string error = error_of({"--config", file.c_str()});
   EXPECT_NE(error.find(file + ":2"), std::string::npos) << error;
 }
@@ -208,7 +208,7 @@ TEST_F(SettingsFile, TheSampleHasEveryKeyOnceWithItsDefault) {
   const std::string path = write(sample.text);
   Options set = parsed({"--config", path.c_str()});
   set.config.clear();
-  set.target_ms.reset();  // its default is to have none
+  set.target_ms.reset(), set.quality.reset(), set.max_error.reset();  // by default there are none
   EXPECT_EQ(describe(set), describe(defaults));
 }
 

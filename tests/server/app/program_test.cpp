@@ -55,7 +55,8 @@ TEST_F(ServerProgram, BadInputEndsWithTwoAndOneLineThatSaysWhatIsAllowed) {
   expect_bad_input({"--scene", "/nowhere/model.gltf"}, "/nowhere/model.gltf");
   expect_bad_input({"--kernel", "crystal-ball", "--scene", "cornell"}, "ray");
   expect_bad_input({"--config", "/nowhere.toml"}, "/nowhere.toml");
-  expect_bad_input({"--quality", "101"}, "1 to 100");
+  expect_bad_input({"--color-quality", "101"}, "1 to 100");
+  expect_bad_input({"--quality", "85"}, "--color-quality is that of colour");
 }
 
 TEST_F(ServerProgram, ListsScenesAndExplainsItsChoices) {
@@ -67,6 +68,26 @@ TEST_F(ServerProgram, ListsScenesAndExplainsItsChoices) {
   EXPECT_NE(explained.output.find("kernel ray"), std::string::npos) << explained.output;
   EXPECT_NE(explained.output.find("used      triangle BVH"), std::string::npos);
   EXPECT_NE(explained.output.find("left out  distance-field tracer"), std::string::npos);
+}
+
+TEST_F(ServerProgram, ExplainsThePlaceOnTheLadderThatIsAskedFor) {
+  const auto explained = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"--scene", "cornell", "--explain", "--keys", keys_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Ended ended = run(arguments);
+    EXPECT_EQ(ended.status, 0) << ended.output;
+    return ended.output;
+  };
+  const std::string low = explained({"--quality", "0"}), high = explained({"--quality", "10"});
+  EXPECT_NE(low.find("quality 0 of 10"), std::string::npos) << low;
+  EXPECT_NE(high.find("quality 10 of 10"), std::string::npos) << high;
+  EXPECT_NE(low.find("measured error"), std::string::npos);
+  EXPECT_EQ(explained({}).find("of 10"), std::string::npos) << "nobody asked";
+  EXPECT_NE(explained({"--max-error", "0.000001"}).find("less than the ladder's best"),
+            std::string::npos);
+  expect_bad_input(
+      {"--scene", "cornell", "--quality", "5", "--ladders", "/nowhere", "--keys", keys_},
+      "/nowhere/ray.toml");
 }
 
 TEST_F(ServerProgram, SaysWhenItIsReadyAndEndsWithZeroOnASignal) {
