@@ -33,5 +33,6 @@ Run declare_codecs(CLI::App& command, Pace pace);
 Run declare_maps(CLI::App& command, Pace pace);
 Run declare_streaming(CLI::App& command, Pace pace);
 Run declare_tradeoff(CLI::App& command, Pace pace);
+Run declare_report(CLI::App& command, Pace pace);
 
 }  // namespace macula::bench

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "tests/bench/command_options.h"
+#include "tests/bench/report_page.h"
 #include "tests/bench/tradeoff.h"
 
 namespace macula::bench {
@@ -48,16 +49,31 @@ Run declare_tradeoff(CLI::App& command, Pace pace) {
   add_resumable_json(command, options->json);
   add_quick(command, "Small pictures, without the costliest configurations");
   command.footer(
-      "One row a configuration: grid (foveal, uniform), scale, model (a rate model), jpeg and\n"
-      "depth (codecs), and the kernel's own knobs; without words it is the server's default.\n"
-      "Errors are RMSE of display-linear values in discs of 5, 10 and 25 degrees round the gaze\n"
-      "and outside; rmse_ew weighs pixels by what the eye resolves. reference_se is the share of\n"
-      "the error that the references' noise may be. on_front: no other row is faster and better\n"
-      "(by rmse_ew). uniform_*: what whole pictures of equal time have. The second table tells "
-      "over\n"
-      "how many decades of time foveated rows are better than those; the third what the papers "
-      "say.");
+      "One row a configuration: grid (foveal, uniform), scale, model (a rate model; or a ramp of\n"
+      "rates by inner and outer degrees and floor), jpeg and depth (codecs), and the kernel's own\n"
+      "knobs; without words it is the server's default. Errors are RMSE of display-linear values\n"
+      "in discs of 5, 10 and 25 degrees round the gaze and outside; rmse_ew weighs pixels by what\n"
+      "the eye resolves. reference_se is the share of the error that the references' noise may\n"
+      "be. on_front: no other row is faster and better (by rmse_ew). uniform_*: what whole\n"
+      "pictures of equal time have. Tables below the rows: over how many decades of time foveated\n"
+      "rows are better than those; how well errors are estimated on a scene by a ladder made\n"
+      "from the others; what the papers say.");
   return [options]() -> Result<void> { return run_tradeoff(*options); };
+}
+
+Run declare_report(CLI::App& command, Pace) {
+  auto options = std::make_shared<PageOptions>();
+  command
+      .add_option("reports", options->inputs, "Reports (--json FILE of experiments), or folders")
+      ->required()
+      ->option_text("FILE|DIR ...");
+  command.add_option("--out", options->out, "The page")->option_text("FILE.html (report.html)");
+  command.footer(
+      "The page needs no other file and nothing from the network: tables beside the papers'\n"
+      "numbers, curves with their fronts, pictures under a wipe, the exact commands, the machine,\n"
+      "the commit and the scenes' hashes. Pictures are found in the folder that the report names\n"
+      "(tradeoff --pictures), or beside it.");
+  return [options]() -> Result<void> { return run_report_page(*options); };
 }
 
 }  // namespace macula::bench

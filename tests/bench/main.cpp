@@ -32,6 +32,7 @@ constexpr Experiment kExperiments[] = {
     {"maps", "Bytes that foveation maps need for the same picture, to the eye", declare_maps},
     {"motion", "What a moment of a moving scene costs, part by part", declare_motion},
     {"sphere", "Foveated sphere tracing against plain, speed and quality", declare_sphere},
+    {"report", "One HTML page of everything that experiments have left behind", declare_report},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},
     {"reprojection", "What each way of hiding latency is worth", declare_reprojection},
     {"streaming", "The stream over links that misbehave: ages, bytes, quality", declare_streaming},

@@ -10,6 +10,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "shared/base/text.h"
+
 namespace macula::bench {
 namespace {
 
@@ -24,6 +26,19 @@ std::string cpu_model() {
     return colon == std::string::npos ? std::string{} : line.substr(colon + 2);
   }
   return {};
+}
+
+/// How this program was called, a word in quotes where it has blanks; empty where nobody can tell.
+std::string command_line() {
+  std::ifstream in("/proc/self/cmdline", std::ios::binary);
+  std::string line;
+  for (std::string word; std::getline(in, word, '\0');) {
+    if (line.empty()) word = word.substr(word.rfind('/') + 1);
+    const bool plain = !word.empty() && word.find_first_of(" \"'$;&|<>*?()") == std::string::npos;
+    if (!line.empty()) line += ' ';
+    line += plain ? word : base::concat('"', word, '"');
+  }
+  return line;
 }
 
 const char* widest_isa() {
@@ -50,6 +65,7 @@ Json json_of(const Report& report) {
                 {"cores", std::thread::hardware_concurrency()},
                 {"isa", widest_isa()}}},
               {"commit", MACULA_COMMIT},
+              {"command", command_line()},
               {"config", json_of(report.config)},
               {"rows", std::move(rows)}};
 }
@@ -62,13 +78,11 @@ Value value_of(const Json& json) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-std::string text_of(const Value& value) {
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  if (const auto* yes = std::get_if<bool>(&value)) return *yes ? "yes" : "no";
-  if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.6g", std::get<double>(value));
-  return buffer;
+Fields fields_of(const Json& object) {
+  Fields fields;
+  if (!object.is_object()) return fields;
+  for (const auto& [key, value] : object.items()) fields.emplace_back(key, value_of(value));
+  return fields;
 }
 
 /// Columns wide enough for all lines, right-aligned, two spaces apart.
@@ -122,12 +136,53 @@ Result<std::vector<Fields>> read_rows(const std::string& path, const Report& lik
                            "delete it or name another file");
   }
   std::vector<Fields> rows;
-  for (const Json& row : known["rows"]) {
-    Fields fields;
-    for (const auto& [key, value] : row.items()) fields.emplace_back(key, value_of(value));
-    rows.push_back(std::move(fields));
-  }
+  for (const Json& row : known["rows"]) rows.push_back(fields_of(row));
   return rows;
+}
+
+Result<LoadedReport> read_report(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return base::bad_input("cannot be read", path, "a report of macula-bench");
+  const Json json = Json::parse(in, nullptr, false);
+  if (!json.is_object() || !json.contains("experiment") || !json["experiment"].is_string() ||
+      !json.contains("rows") || !json["rows"].is_array())
+    return base::bad_input("is no report", path, "a JSON file that macula-bench wrote");
+  const auto text = [&](const char* key) {
+    return json.contains(key) && json[key].is_string() ? json[key].get<std::string>()
+                                                       : std::string{};
+  };
+  LoadedReport report;
+  report.experiment = text("experiment");
+  report.commit = text("commit"), report.command = text("command");
+  report.config = fields_of(json.value("config", Json::object()));
+  report.machine = fields_of(json.value("machine", Json::object()));
+  for (const Json& row : json["rows"]) report.rows.push_back(fields_of(row));
+  return report;
+}
+
+std::string value_text(const Value& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* yes = std::get_if<bool>(&value)) return *yes ? "yes" : "no";
+  if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", std::get<double>(value));
+  return buffer;
+}
+
+Value value_in(const Fields& row, const std::string& key) {
+  for (const auto& [name, value] : row)
+    if (name == key) return value;
+  return std::string{};
+}
+
+std::string rows_json(const std::vector<Fields>& rows) {
+  Json array = Json::array();
+  for (const Fields& row : rows) array.push_back(json_of(row));
+  return array.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string quoted_json(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string table_text(const std::vector<Fields>& rows) {
@@ -136,7 +191,7 @@ std::string table_text(const std::vector<Fields>& rows) {
   for (const auto& [key, value] : rows.front()) lines[0].push_back(key);
   for (const Fields& row : rows) {
     lines.emplace_back();
-    for (const auto& [key, value] : row) lines.back().push_back(text_of(value));
+    for (const auto& [key, value] : row) lines.back().push_back(value_text(value));
   }
   return aligned(lines);
 }

@@ -243,6 +243,32 @@ std::vector<Fields> advantages(const std::vector<Fields>& rows) {
   return lines;
 }
 
+/// One line a kernel and scene: the online estimate, by a ladder of the other scenes.
+std::vector<Fields> estimate_rows(const std::vector<const TradeoffKernel*>& kernels,
+                                  const std::vector<Fields>& rows) {
+  std::vector<Fields> lines;
+  for (const TradeoffKernel* kernel : kernels) {
+    std::vector<Fields> own;
+    std::set<std::string> scenes;
+    for (const Fields& row : rows) {
+      if (text_in(row, "kernel") != kernel->name) continue;
+      own.push_back(row);
+      scenes.insert(text_in(row, "scene"));
+    }
+    if (scenes.size() < 2) continue;
+    for (const std::string& scene : scenes) {
+      const EstimateCheck check = check_estimates(own, scene);
+      lines.push_back({{"kernel", std::string(kernel->name)},
+                       {"scene_left_out", scene},
+                       {"ladder_steps", std::int64_t{check.steps}},
+                       {"estimate_kendall_tau", check.kendall_tau},
+                       {"estimate_within_30_share", check.share_within_30},
+                       {"estimate_worst_factor", check.worst_factor}});
+    }
+  }
+  return lines;
+}
+
 std::vector<Fields> paper_rows(const std::vector<const TradeoffKernel*>& kernels) {
   std::vector<Fields> rows;
   for (const TradeoffKernel* kernel : kernels)
@@ -299,6 +325,7 @@ Result<void> run_tradeoff(const TradeoffOptions& options) {
   if (auto ok = run.measure_all(*kernels); !ok) return ok;
   print(for_people(report.rows));
   print(advantages(report.rows));
+  print(estimate_rows(*kernels, report.rows));
   print(paper_rows(*kernels));
   return write_ladders(options, *kernels, report);
 }

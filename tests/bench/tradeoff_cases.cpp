@@ -26,8 +26,19 @@ std::string remembered(const std::string& words) {
   return "grid=uniform model=ray-medium method=foveated" + words;
 }
 
+/// Curves that are whole within 10 degrees, with more samples: what a foveated picture does with
+/// much time. The first falls steeply beyond.
+void add_dense(std::vector<std::string>& all, const std::string& words,
+               std::initializer_list<int> counts) {
+  for (const int count : counts)
+    for (const char* model : {"inner=10 outer=15 floor=0.01", "model=ray-medium"})
+      all.push_back(base::concat(model, words, " samples=", count));
+}
+
 /// What every kernel's frames share: density of the grid, its curve, codecs.
-std::vector<std::string> with_server_wide(std::vector<std::string> own) {
+std::vector<std::string> with_server_wide(const std::string& words,
+                                          std::initializer_list<int> counts,
+                                          std::vector<std::string> own) {
   std::vector<std::string> all{"scale=1"};
   for (const char* scale : {"0.2", "0.3", "0.4", "0.55", "0.75"})
     all.push_back(base::concat("scale=", scale));
@@ -35,6 +46,7 @@ std::vector<std::string> with_server_wide(std::vector<std::string> own) {
     all.push_back(base::concat("model=", model));
   for (const int quality : {50, 70, 85, 95}) all.push_back(base::concat("jpeg=", quality));
   for (const int divisor : {2, 4, 8}) all.push_back(base::concat("depth=", divisor));
+  add_dense(all, words, counts);
   all.insert(all.end(), own.begin(), own.end());
   return all;
 }
@@ -45,7 +57,8 @@ TradeoffKernel ray() {
           0,
           {"posts", "atrium", "moving"},
           uniform_of("", "samples", {2, 4, 8, 16, 32}),
-          with_server_wide({"samples=2",
+          with_server_wide("", {2, 4, 8, 16, 32},
+                           {"samples=2",
                             "samples=4",
                             "samples=8",
                             "samples=16",
@@ -93,7 +106,8 @@ TradeoffKernel lightcuts() {
           0,
           {"cornell-lights", "room", "study"},
           uniform_of(" ambient=1", "samples", {2, 4, 8, 16, 32}),
-          with_server_wide({"nodes=1",
+          with_server_wide(" ambient=1", {1, 2, 4, 8, 16, 32},
+                           {"nodes=1",
                             "nodes=2",
                             "nodes=4",
                             "nodes=16",
@@ -140,7 +154,8 @@ TradeoffKernel culling() {
           1,
           {"posts", "moving", "nave"},
           uniform_of(" ambient=1", "samples", {2, 4, 8}),
-          with_server_wide({"kept=256",
+          with_server_wide(" ambient=1", {1, 2, 4},
+                           {"kept=256",
                             "kept=512",
                             "kept=2048",
                             "kept=4096",
@@ -183,7 +198,8 @@ TradeoffKernel sphere() {
           0,
           {"primitives", "columns", "temple"},
           uniform_of(" foveation=off", "samples", {2, 4, 8, 16}),
-          with_server_wide({"samples=2",
+          with_server_wide("", {2, 4, 8, 16},
+                           {"samples=2",
                             "samples=4",
                             "samples=8",
                             "samples=16",
@@ -239,6 +255,18 @@ Result<bool> take_frame_word(const KnobValue& word, FrameSettings& settings) {
     const auto model = foveation::find_rate_model(word.value);
     if (!model) return base::forward(model);
     settings.model = *model;
+    return true;
+  }
+  if (word.name == "inner" || word.name == "outer" || word.name == "floor") {
+    const bool is_floor = word.name == "floor";
+    double value = 0.0;
+    if (!read(word.value, is_floor ? 0.0001 : 0.0, is_floor ? 1.0 : 180.0, value))
+      return allowed(is_floor ? "0.0001 to 1" : "0 to 180 degrees");
+    settings.model.curve = foveation::RateCurve::Ray;
+    if (is_floor)
+      settings.model.floor = value;
+    else
+      (word.name == "inner" ? settings.model.inner : settings.model.outer) = Degrees{value};
     return true;
   }
   if (word.name == "jpeg") {

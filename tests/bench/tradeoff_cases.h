@@ -1,6 +1,7 @@
 // What `macula-bench tradeoff` measures of each kernel: its scenes, and its configurations. Those
-// are words "name=value": grid, scale, model, jpeg and depth say how a frame is sampled and sent,
-// every other word is a knob of the kernel (server/kernels/knobs.h).
+// are words "name=value": grid, scale, model (or a ramp of rates by inner, outer and floor), jpeg
+// and depth say how a frame is sampled and sent, every other word is a knob of the kernel
+// (server/kernels/knobs.h).
 #pragma once
 
 #include <optional>

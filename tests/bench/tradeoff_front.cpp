@@ -20,11 +20,12 @@ bool is_uniform(const Fields& row) {
   return uniform != nullptr && std::get_if<bool>(uniform) != nullptr && std::get<bool>(*uniform);
 }
 
+/// An error of 0 is one that the references' noise hides: it tells nothing.
 std::vector<CostAndError> points_of(std::span<const Fields> rows, const std::string& error_key,
                                     bool uniform) {
   std::vector<CostAndError> points;
   for (const Fields& row : rows)
-    if (is_uniform(row) == uniform)
+    if (is_uniform(row) == uniform && number_in(row, error_key) > 0.0)
       points.push_back({number_in(row, "cpu_ms"), number_in(row, error_key)});
   return points;
 }
@@ -97,8 +98,9 @@ void mark_fronts(std::span<Fields> rows) {
   for (const Fields& row : rows) {
     // What codecs do is measured with the rows before them: they are no way to render.
     const std::string config = text_in(row, "config");
-    const bool is_codec = config.starts_with("jpeg=") || config.starts_with("depth=");
-    all.push_back({is_codec ? std::numeric_limits<double>::infinity() : number_in(row, "cpu_ms"),
+    const bool is_none = config.starts_with("jpeg=") || config.starts_with("depth=") ||
+                         !(number_in(row, "rmse_ew") > 0.0);
+    all.push_back({is_none ? std::numeric_limits<double>::infinity() : number_in(row, "cpu_ms"),
                    number_in(row, "rmse_ew")});
   }
   for (Fields& row : rows) set_field(row, "on_front", false);

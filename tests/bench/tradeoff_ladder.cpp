@@ -20,7 +20,8 @@ namespace {
 bool may_be_a_step(const std::string& config) {
   const auto words = kernels::parse_knobs(config);
   return words && std::ranges::none_of(*words, [](const kernels::KnobValue& word) {
-           return word.name == "grid" || word.name == "model" || word.name == "jpeg" ||
+           return word.name == "grid" || word.name == "model" || word.name == "inner" ||
+                  word.name == "outer" || word.name == "floor" || word.name == "jpeg" ||
                   word.name == "depth";
          });
 }
@@ -75,6 +76,40 @@ std::vector<LadderStep> ladder_steps(std::span<const Fields> rows) {
     steps.push_back(all[i]);
   }
   return steps;
+}
+
+double kendall_tau(std::span<const double> a, std::span<const double> b) {
+  int balance = 0, pairs = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j, ++pairs) {
+      const double product = (a[i] - a[j]) * (b[i] - b[j]);
+      balance += product > 0.0 ? 1 : (product < 0.0 ? -1 : 0);
+    }
+  }
+  return pairs > 0 ? static_cast<double>(balance) / pairs : 0.0;
+}
+
+EstimateCheck check_estimates(std::span<const Fields> rows, const std::string& scene) {
+  std::vector<Fields> others, here;
+  for (const Fields& row : rows) (text_in(row, "scene") == scene ? here : others).push_back(row);
+  std::vector<double> truth, estimates;
+  EstimateCheck check;
+  for (const LadderStep& step : ladder_steps(others)) {
+    for (const Fields& row : here) {
+      if (text_in(row, "config") != step.config) continue;
+      truth.push_back(number_in(row, "rmse_ew"));
+      estimates.push_back(step.per_half_difference * number_in(row, "half_difference"));
+      const double ratio = estimates.back() / truth.back();
+      constexpr double kWithin = 0.3;
+      check.share_within_30 += std::abs(ratio - 1.0) <= kWithin ? 1.0 : 0.0;
+      check.worst_factor = std::max({check.worst_factor, ratio, 1.0 / ratio});
+    }
+  }
+  check.steps = static_cast<int>(truth.size());
+  if (check.steps == 0) return check;
+  check.share_within_30 /= check.steps;
+  check.kendall_tau = kendall_tau(truth, estimates);
+  return check;
 }
 
 Result<void> write_ladder(const std::string& folder, const std::string& kernel,

@@ -20,6 +20,19 @@ struct LadderStep {
 /// Of one kernel's rows, cheapest first; configurations that lack a scene are left out.
 std::vector<LadderStep> ladder_steps(std::span<const Fields> rows);
 
+/// How well a ladder made from all other scenes tells the errors of this one's steps, from nothing
+/// but their two half-sample pictures.
+struct EstimateCheck {
+  int steps = 0;
+  double kendall_tau = 0.0;      ///< of the steps' order, estimated against true
+  double share_within_30 = 0.0;  ///< of steps whose estimate is within 30 % of the error
+  double worst_factor = 1.0;     ///< estimate over error or its inverse
+};
+EstimateCheck check_estimates(std::span<const Fields> rows, const std::string& scene);
+
+/// (concordant - discordant) / all pairs.
+double kendall_tau(std::span<const double> a, std::span<const double> b);
+
 /// FOLDER/KERNEL.toml as macula-server reads it (server/app/ladder_file.h); `command` and `where`
 /// say how the numbers came about.
 Result<void> write_ladder(const std::string& folder, const std::string& kernel,
