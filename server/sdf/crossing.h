@@ -1,7 +1,7 @@
-// Where rays cross a surface, found so that it does not matter where a ray came from: the ray's
-// way is cut into cells of 256 float steps, and the point is where the line between a cell's ends,
-// above the surface before and below behind it, meets it. Methods that stop at different places
-// near a surface then hit the same bits. Inside server/sdf.
+// Where rays cross a surface, found from the mark at which they hit and nothing else, so that it
+// does not matter how they got there: along the ray by steps of a mark's spacing, twice that, four
+// times, to behind the surface, back between the last two, and then on the line between two places
+// one spacing apart, above the surface before and below behind it. Inside server/sdf.
 #pragma once
 
 #include <cstddef>
@@ -11,33 +11,36 @@
 
 namespace macula::sdf {
 
-/// Float steps of a cell, a power of two: some times as wide as the field's roundings, which are a
-/// few steps, and about as wide as what is called near enough (2e-5 of t).
-inline constexpr std::uint32_t kCellSteps = 256;
-/// How far from where a ray stopped its crossing is looked for, relative to t: less than the
-/// slabs' margin by more than a cell.
+/// How far from its mark a crossing is looked for, relative to t: less than the slabs' margin by
+/// more than a mark's spacing.
 inline constexpr float kCrossingReach = 3.6e-3F;
 
-enum class CrossingState : std::int32_t {
-  Open,   ///< `at` is where to look next
-  Found,  ///< `at` is the crossing
+enum class CrossingPhase : std::int32_t {
+  New,      ///< only direction, mark, width, f_low (the distance at the mark) and id are set
+  Ahead,    ///< above the surface at `low`; asked `step` farther on
+  Between,  ///< and below it at `high`; asked in the middle, `step` from both
+  Behind,   ///< below it at the mark, `high`; asked `step` before
+  Found,    ///< `at` is the crossing
+  Touch,    ///< no crossing: `at` is the mark
 };
 
 /// Up to kBatch rays, field by field.
 struct alignas(64) Crossings {
   float x[kBatch], y[kBatch], z[kBatch];  ///< unit direction
-  float at[kBatch], found[kBatch];        ///< a place on the ray and the distance there
-  float slope[kBatch];                    ///< how the distance changes along the ray about there
-  float low[kBatch], high[kBatch];        ///< the cell to look at
-  std::int32_t state[kBatch];
+  float mark[kBatch], width[kBatch];      ///< where the ray hits; its hit distance at unit t
+  float at[kBatch];                       ///< where the field is asked next
+  float low[kBatch], high[kBatch];
+  float f_low[kBatch], f_high[kBatch];  ///< distances there
+  float step[kBatch];
+  float least[kBatch];  ///< the spacing of marks at the mark
+  std::int32_t phase[kBatch];
+  std::uint32_t id[kBatch];
 };
 
-/// The cell in which the line through `at` crosses; its ends as points.
-void choose_cells(Crossings& rays, std::size_t count, PointBatch& low, PointBatch& high);
-/// Takes the distances at the ends; `at`, `found` and `slope` become those of the crossing or of
-/// the cell, and `state` says which.
-void cross_cells(Crossings& rays, std::size_t count, const DistanceBatch& low,
-                 const DistanceBatch& high);
+/// Where the rays ask next, new ones for the first time.
+void aim_crossings(Crossings& rays, std::size_t count, float hit_m, PointBatch& next);
+/// Takes the distances there.
+void take_crossings(Crossings& rays, std::size_t count, const DistanceBatch& found);
 
 /// Gradients become unit normals; zero where there is none.
 void make_normals(SurfaceBatch& surfaces, std::size_t count);

@@ -4,77 +4,88 @@
 #define HWY_TARGET_INCLUDE "server/sdf/crossing_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+#include "server/sdf/marks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace macula::sdf::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using FloatVec = hn::Vec<Floats>;
-
-/// A distance that falls less than this along its ray has no crossing that could be foretold.
-constexpr float kLeastFall = 1.0F / 256.0F;
-
-HWY_INLINE HWY_ATTR FloatVec set(float value) {
-  return hn::Set(Floats(), value);
-}
-HWY_INLINE HWY_ATTR void store_points(const Crossings& rays, std::size_t i, FloatVec t,
-                                      PointBatch& out) {
-  const Floats d;
-  hn::Store(hn::Mul(t, hn::Load(d, rays.x + i)), d, out.x + i);
-  hn::Store(hn::Mul(t, hn::Load(d, rays.y + i)), d, out.y + i);
-  hn::Store(hn::Mul(t, hn::Load(d, rays.z + i)), d, out.z + i);
+HWY_INLINE HWY_ATTR IntVec phase_vector(CrossingPhase phase) {
+  return hn::Set(Ints(), static_cast<std::int32_t>(phase));
 }
 
-HWY_ATTR void choose_vectors(Crossings& rays, std::size_t count, PointBatch& low_points,
-                             PointBatch& high_points) {
+HWY_ATTR void aim_vectors(Crossings& rays, std::size_t count, float hit_m, PointBatch& next) {
   const Floats d;
   const Ints di;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto at = hn::Load(d, rays.at + i);
-    const auto slope = hn::Min(hn::Load(d, rays.slope + i), set(-kLeastFall));
-    const auto reach = hn::Mul(set(kCrossingReach), at);
-    const auto ahead = hn::Neg(hn::Div(hn::Load(d, rays.found + i), slope));
-    const auto guess = hn::Add(at, hn::Max(hn::Min(ahead, reach), hn::Neg(reach)));
-    const auto bits = hn::BitCast(di, guess);
-    const auto first = hn::And(bits, hn::Set(di, -static_cast<std::int32_t>(kCellSteps)));
-    const auto low = hn::BitCast(d, first);
-    const auto high = hn::BitCast(d, hn::Add(first, hn::Set(di, kCellSteps)));
-    hn::Store(low, d, rays.low + i);
-    hn::Store(high, d, rays.high + i);
-    store_points(rays, i, low, low_points);
-    store_points(rays, i, high, high_points);
+    const auto phase = hn::Load(di, rays.phase + i);
+    const auto is_new = hn::RebindMask(d, hn::Eq(phase, phase_vector(CrossingPhase::New)));
+    const auto mark = hn::Load(d, rays.mark + i), f_mark = hn::Load(d, rays.f_low + i);
+    const auto spacing = mark_spacing(mark, hn::Load(d, rays.width + i), set(hit_m));
+    const auto below = hn::Le(f_mark, hn::Zero(d));
+    const auto first = hn::IfThenElse(below, hn::Sub(mark, spacing), hn::Add(mark, spacing));
+    const auto begun =
+        hn::IfThenElse(hn::RebindMask(di, below), phase_vector(CrossingPhase::Behind),
+                       phase_vector(CrossingPhase::Ahead));
+    const auto renew = [&](FloatVec fresh, float* of) HWY_ATTR {
+      const auto value = hn::IfThenElse(is_new, fresh, hn::Load(d, of + i));
+      hn::Store(value, d, of + i);
+      return value;
+    };
+    renew(mark, rays.low);
+    renew(mark, rays.high);
+    renew(f_mark, rays.f_high);
+    renew(spacing, rays.step);
+    renew(spacing, rays.least);
+    const auto at = renew(first, rays.at);
+    hn::Store(hn::IfThenElse(hn::RebindMask(di, is_new), begun, phase), di, rays.phase + i);
+    hn::Store(hn::Mul(at, hn::Load(d, rays.x + i)), d, next.x + i);
+    hn::Store(hn::Mul(at, hn::Load(d, rays.y + i)), d, next.y + i);
+    hn::Store(hn::Mul(at, hn::Load(d, rays.z + i)), d, next.z + i);
   }
 }
 
-HWY_ATTR void cross_vectors(Crossings& rays, std::size_t count, const DistanceBatch& at_low,
-                            const DistanceBatch& at_high) {
+HWY_ATTR void take_vectors(Crossings& rays, std::size_t count, const DistanceBatch& found) {
   const Floats d;
   const Ints di;
-  const auto zero = hn::Zero(d);
-  const auto state = [&](CrossingState which)
-                         HWY_ATTR { return hn::Set(di, static_cast<std::int32_t>(which)); };
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto low = hn::Load(d, rays.low + i), high = hn::Load(d, rays.high + i);
-    const auto f_low = hn::Load(d, at_low.at + i), f_high = hn::Load(d, at_high.at + i);
-    const auto width = hn::Sub(high, low), fall = hn::Sub(f_low, f_high);
-    const auto crosses = hn::And(hn::Gt(f_low, zero), hn::Le(f_high, zero));
-    const auto crossing = hn::MulAdd(width, hn::Div(f_low, fall), low);
-    // Roundings may hide how the field falls over so short a way: then the way before says it.
-    const auto falls = hn::Gt(fall, hn::Mul(set(kLeastFall), width));
-    const auto slope =
-        hn::IfThenElse(falls, hn::Neg(hn::Div(fall, width)), hn::Load(d, rays.slope + i));
-    const auto line = hn::Sub(low, hn::Div(f_low, hn::Min(slope, set(-kLeastFall))));
-    const auto last = hn::BitCast(d, hn::Sub(hn::BitCast(di, low), hn::Set(di, 1)));
-    const auto guess =
-        hn::IfThenElse(hn::Gt(f_low, zero), hn::Max(line, high), hn::Min(line, last));
-    hn::Store(hn::IfThenElse(crosses, crossing, guess), d, rays.at + i);
-    hn::Store(zero, d, rays.found + i);
-    hn::Store(slope, d, rays.slope + i);
-    hn::Store(hn::IfThenElse(hn::RebindMask(di, crosses), state(CrossingState::Found),
-                             state(CrossingState::Open)),
-              di, rays.state + i);
+    const auto phase = hn::Load(di, rays.phase + i);
+    const auto is = [&](CrossingPhase which)
+                        HWY_ATTR { return hn::RebindMask(d, hn::Eq(phase, phase_vector(which))); };
+    const auto ahead = is(CrossingPhase::Ahead), behind = is(CrossingPhase::Behind);
+    const auto mark = hn::Load(d, rays.mark + i), least = hn::Load(d, rays.least + i);
+    const auto at = hn::Load(d, rays.at + i), f = hn::Load(d, found.at + i);
+    const auto above = hn::Gt(f, hn::Zero(d));
+    const auto low = hn::IfThenElse(above, at, hn::Load(d, rays.low + i));
+    const auto f_low = hn::IfThenElse(above, f, hn::Load(d, rays.f_low + i));
+    const auto high = hn::IfThenElse(above, hn::Load(d, rays.high + i), at);
+    const auto f_high = hn::IfThenElse(above, hn::Load(d, rays.f_high + i), f);
+
+    const auto step = hn::Load(d, rays.step + i);
+    const auto onward = hn::And(ahead, above);  // no end is known to be below
+    const auto then = hn::Mul(step, hn::IfThenElse(onward, set(2.0F), set(0.5F)));
+    const auto ask = hn::Add(low, then);
+    const auto beyond = hn::Gt(hn::Sub(ask, mark), hn::Mul(set(kCrossingReach), mark));
+    const auto narrow = hn::AndNot(onward, hn::Le(step, least));
+    const auto touches = hn::Or(hn::And(onward, beyond), hn::AndNot(above, behind));
+    const auto line = hn::MulAdd(hn::Sub(high, low), hn::Div(f_low, hn::Sub(f_low, f_high)), low);
+    // A field that is no number there leaves the mark.
+    const auto lies = hn::And(hn::Ge(line, low), hn::Le(line, high));
+    const auto ends = hn::Or(narrow, touches);
+    const auto end = hn::IfThenElse(hn::AndNot(touches, lies), line, mark);
+
+    hn::Store(low, d, rays.low + i);
+    hn::Store(high, d, rays.high + i);
+    hn::Store(f_low, d, rays.f_low + i);
+    hn::Store(f_high, d, rays.f_high + i);
+    hn::Store(then, d, rays.step + i);
+    hn::Store(hn::IfThenElse(ends, end, ask), d, rays.at + i);
+    const auto going =
+        hn::IfThenElse(hn::RebindMask(di, onward), phase_vector(CrossingPhase::Ahead),
+                       phase_vector(CrossingPhase::Between));
+    const auto ended =
+        hn::IfThenElse(hn::RebindMask(di, touches), phase_vector(CrossingPhase::Touch),
+                       phase_vector(CrossingPhase::Found));
+    hn::Store(hn::IfThenElse(hn::RebindMask(di, ends), ended, going), di, rays.phase + i);
   }
 }
 
@@ -98,16 +109,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace macula::sdf {
 
-HWY_EXPORT(choose_vectors);
-HWY_EXPORT(cross_vectors);
+HWY_EXPORT(aim_vectors);
+HWY_EXPORT(take_vectors);
 HWY_EXPORT(normal_vectors);
 
-void choose_cells(Crossings& rays, std::size_t count, PointBatch& low, PointBatch& high) {
-  HWY_DYNAMIC_DISPATCH(choose_vectors)(rays, count, low, high);
+void aim_crossings(Crossings& rays, std::size_t count, float hit_m, PointBatch& next) {
+  HWY_DYNAMIC_DISPATCH(aim_vectors)(rays, count, hit_m, next);
 }
-void cross_cells(Crossings& rays, std::size_t count, const DistanceBatch& low,
-                 const DistanceBatch& high) {
-  HWY_DYNAMIC_DISPATCH(cross_vectors)(rays, count, low, high);
+void take_crossings(Crossings& rays, std::size_t count, const DistanceBatch& found) {
+  HWY_DYNAMIC_DISPATCH(take_vectors)(rays, count, found);
 }
 void make_normals(SurfaceBatch& surfaces, std::size_t count) {
   HWY_DYNAMIC_DISPATCH(normal_vectors)(surfaces, count);

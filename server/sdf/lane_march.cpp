@@ -42,7 +42,7 @@ class SlabMarch {
         const bool knows = stepping_ == Stepping::Cone || free >= slab_.low;
         const float to = knows ? slab_.high : free;
         const LaneState state = to < limits_.far_m ? LaneState::Left : LaneState::Miss;
-        lanes.at[i] = lanes.t[i] = to;
+        lanes.at[i] = lanes.t[i] = lanes.first[i] = to;
         lanes.radius[i] = 0.0F, lanes.slope[i] = -1.0F;
         lanes.state[i] = static_cast<std::int32_t>(state);
         leave(lanes, i);
@@ -57,11 +57,7 @@ class SlabMarch {
     if (state == LaneState::Left)
       return s_.block_slabs.of(lanes.at[i], s_.registers).waiting.push(lanes, i, s_.pool);
     const std::uint32_t id = lanes.id[i];
-    s_.results[id] = {lanes.at[i],
-                      lanes.radius[i],
-                      lanes.slope[i],
-                      0.0F,
-                      static_cast<std::uint16_t>(lanes.steps[i]),
+    s_.results[id] = {lanes.at[i], lanes.radius[i], static_cast<std::uint16_t>(lanes.steps[i]),
                       state};
     if (state == LaneState::Hit) slab_.hits.push_back(id);
   }

@@ -68,7 +68,7 @@ class LaneQueue {
     const std::size_t i = last_++;
     c.x[i] = from.x[j], c.y[i] = from.y[j], c.z[i] = from.z[j];
     c.at[i] = from.at[j], c.t[i] = from.t[j];
-    c.radius[i] = from.radius[j], c.slope[i] = from.slope[j];
+    c.radius[i] = from.radius[j], c.first[i] = from.first[j], c.slope[i] = from.slope[j];
     c.width[i] = from.width[j], c.half[i] = from.half[j];
     c.steps[i] = from.steps[j], c.state[i] = static_cast<std::int32_t>(LaneState::Live);
     c.id[i] = from.id[j];
@@ -93,7 +93,7 @@ class LaneQueue {
  private:
   static void start(Chunk& c, std::size_t i, float at) {
     c.at[i] = at, c.t[i] = at;
-    c.radius[i] = 0.0F, c.slope[i] = -1.0F;
+    c.radius[i] = 0.0F, c.first[i] = at, c.slope[i] = -1.0F;
     c.steps[i] = 0, c.state[i] = static_cast<std::int32_t>(LaneState::Live);
   }
   Chunk& room(PagePool& pool) {

@@ -4,16 +4,10 @@
 #define HWY_TARGET_INCLUDE "server/sdf/march_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+#include "server/sdf/marks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace macula::sdf::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::ScalableTag<float>;
-using Ints = hn::RebindToSigned<Floats>;
-using FloatVec = hn::Vec<Floats>;
-using IntVec = hn::Vec<Ints>;
-using FloatMask = hn::Mask<Floats>;
 
 /// How much of a new slope counts (Ban and Valasek 2023).
 constexpr float kSlopeShare = 0.3F;
@@ -22,12 +16,8 @@ constexpr float kSlopeAfterReturn = -0.999F;
 /// A cone stops where the free ball no longer covers it by this factor (measured there: best of
 /// 1.02 to 4).
 constexpr float kConeStop = 1.02F;
-/// Roundings of a position along a ray, relative to it.
+/// Roundings of a position along a ray, relative to it; much less than kFieldRounding.
 constexpr float kRounding = 5e-7F;
-
-HWY_INLINE HWY_ATTR FloatVec set(float value) {
-  return hn::Set(Floats(), value);
-}
 HWY_INLINE HWY_ATTR IntVec state_vector(LaneState state) {
   return hn::Set(Ints(), static_cast<std::int32_t>(state));
 }
@@ -106,37 +96,49 @@ struct Moving {
   }
 };
 
-/// The last place and distance of live lanes, and the slope between the last two.
-HWY_INLINE HWY_ATTR void remember(Chunk& chunk, std::size_t i, const Moving& lanes) {
-  const Floats d;
-  const auto t = hn::Load(d, chunk.t + i), radius = hn::Load(d, chunk.radius + i);
-  const auto slope = hn::Div(hn::Sub(lanes.found, radius), hn::Sub(lanes.at, t));
-  const auto moved = hn::And(lanes.live, hn::Gt(lanes.at, t));
-  hn::Store(hn::IfThenElse(moved, slope, hn::Load(d, chunk.slope + i)), d, chunk.slope + i);
-  hn::Store(hn::IfThenElse(lanes.live, lanes.at, t), d, chunk.t + i);
-  hn::Store(hn::IfThenElse(lanes.live, lanes.found, radius), d, chunk.radius + i);
+/// How much farther than `at` no mark is near, nor how much before it, when `found` is the distance
+/// there: at s the field is at least found - |s - at| and near below width s + hit_m.
+HWY_INLINE HWY_ATTR FloatVec clear_way(FloatVec at, FloatVec found, FloatVec width,
+                                       const MarchLimits& limits) {
+  const auto per_meter = hn::Add(width, set(kFieldRounding));
+  const auto kept = hn::MulSub(found, hn::Sub(set(1.0F), per_meter), set(limits.hit_m));
+  return hn::NegMulAdd(per_meter, at, kept);
 }
+
+/// Where a ray asks next that has nothing near up to `clear`: at the first mark beyond, or farther.
+struct Onward {
+  FloatVec mark, next;
+
+  HWY_INLINE HWY_ATTR Onward(FloatVec clear, FloatVec forward, FloatVec width,
+                             const MarchLimits& limits)
+      : mark(next_mark(clear, mark_spacing(clear, width, set(limits.hit_m)))),
+        next(hn::Max(mark, forward)) {}
+};
 
 HWY_ATTR std::size_t advance_plain(Chunk& chunk, std::size_t count, const DistanceBatch& found,
                                    const MarchLimits& limits, PointBatch& points) {
+  const Floats d;
   std::size_t live = 0;
-  const auto zero = hn::Zero(Floats());
-  for (std::size_t i = 0; i < count; i += hn::Lanes(Floats())) {
+  const auto zero = hn::Zero(d);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     Moving lanes(chunk, i, found);
-    remember(chunk, i, lanes);
-    const auto close = hn::MulAdd(hn::Load(Floats(), chunk.width + i), lanes.at, set(limits.hit_m));
-    lanes.end(hn::And(hn::Eq(lanes.at, zero), hn::Le(lanes.found, zero)), LaneState::Inside);
-    lanes.end(hn::Lt(lanes.found, close), LaneState::Hit);
-    const auto next = hn::Add(lanes.at, lanes.found);
-    lanes.end(hn::Ge(next, set(limits.far_m)), LaneState::Miss);
-    live += lanes.finish(next, limits, points);
+    const auto moved = lanes.live;
+    const auto at = lanes.at, width = hn::Load(d, chunk.width + i);
+    const auto radius = hn::Max(clear_way(at, lanes.found, width, limits), zero);
+    lanes.end(hn::And(hn::Eq(at, zero), hn::Le(lanes.found, zero)), LaneState::Inside);
+    lanes.end(hn::Lt(lanes.found, hn::MulAdd(width, at, set(limits.hit_m))), LaneState::Hit);
+    const auto clear = hn::Add(at, radius);
+    lanes.end(hn::Ge(clear, set(limits.far_m)), LaneState::Miss);
+    const auto before = hn::Load(d, chunk.radius + i);
+    hn::Store(hn::IfThenElse(moved, lanes.found, before), d, chunk.radius + i);
+    live += lanes.finish(Onward(clear, clear, width, limits).next, limits, points);
   }
   return live;
 }
 
-// The ball of `radius` around t is free, and `at` lies a step beyond. The ball found there must
-// touch it, or something could lie between the two: then the step is taken back to the end of the
-// old ball. While both overlap the field keeps its sign, so nothing is stepped over.
+// No mark up to t + radius is near, and `at` may lie beyond that. If the clear ways about t and
+// `at` do not touch, something could lie between the two: then the step is taken back. At the first
+// mark beyond what is clear there is nothing between; if that mark is near, it is the first.
 HWY_ATTR std::size_t advance_relaxed(Chunk& chunk, std::size_t count, const DistanceBatch& found,
                                      const MarchLimits& limits, PointBatch& points) {
   const Floats d;
@@ -144,33 +146,38 @@ HWY_ATTR std::size_t advance_relaxed(Chunk& chunk, std::size_t count, const Dist
   const auto zero = hn::Zero(d), one = set(1.0F), minus_one = set(-1.0F), far = set(limits.far_m);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     Moving lanes(chunk, i, found);
-    const auto t = hn::Load(d, chunk.t + i), radius = hn::Load(d, chunk.radius + i);
-    const auto slope = hn::Load(d, chunk.slope + i), at = lanes.at, r = lanes.found;
-    const auto step = hn::Sub(at, t);
     const auto moved = lanes.live;  // the others wait with what they know
-    const auto touching = hn::MulAdd(set(kRounding), at, hn::Add(radius, hn::Max(r, zero)));
-    const auto apart = hn::Gt(step, touching);
-    const auto arrives = hn::AndNot(apart, lanes.live);
-    const auto close = hn::MulAdd(hn::Load(d, chunk.width + i), at, set(limits.hit_m));
-    const auto at_start = hn::And(hn::Eq(at, zero), hn::Le(r, zero));
-    lanes.end(hn::And(arrives, at_start), LaneState::Inside);
-    lanes.end(hn::And(arrives, hn::Lt(r, close)), LaneState::Hit);
-    lanes.end(hn::And(arrives, hn::Ge(hn::Add(at, r), far)), LaneState::Miss);
+    const auto t = hn::Load(d, chunk.t + i), radius = hn::Load(d, chunk.radius + i);
+    const auto slope = hn::Load(d, chunk.slope + i), width = hn::Load(d, chunk.width + i);
+    const auto first = hn::Load(d, chunk.first + i), at = lanes.at, step = hn::Sub(at, t);
+    const auto way = clear_way(at, lanes.found, width, limits), r = hn::Max(way, zero);
+    const auto is_first = hn::Eq(at, first);
+    const auto touch = hn::MulAdd(set(kRounding), at, hn::Add(radius, r));
+    const auto apart = hn::AndNot(is_first, hn::Gt(step, touch));
+    lanes.end(hn::And(hn::Eq(at, zero), hn::Le(lanes.found, zero)), LaneState::Inside);
+    const auto near = hn::Lt(lanes.found, hn::MulAdd(width, at, set(limits.hit_m)));
+    const auto hits = hn::And(hn::And(is_first, near), lanes.live);
+    lanes.end(hits, LaneState::Hit);
+    const auto reach = hn::IfThenElse(apart, radius, hn::Max(r, hn::Sub(radius, step)));
+    const auto from = hn::IfThenElse(apart, t, at), clear = hn::Add(from, reach);
+    lanes.end(hn::Ge(clear, far), LaneState::Miss);
     // Where the slope along the ray is m, balls of radius r and r + m z touch for z = 2 r / (1 -
     // m).
-    const auto seen = hn::Div(hn::Sub(r, radius), step);
+    const auto seen = hn::Div(hn::Sub(way, radius), step);
     // The first slope seen counts whole: there is nothing to blend it with.
     const auto share = hn::IfThenElse(hn::Gt(slope, minus_one), set(kSlopeShare), one);
     auto slope_now = hn::MulAdd(share, hn::Sub(seen, slope), slope);
     slope_now = hn::IfThenElse(hn::Gt(step, zero), slope_now, minus_one);
     const auto stretch = hn::Div(set(2.0F), hn::Max(hn::Sub(one, slope_now), set(0.25F)));
     const auto forward = hn::MulAdd(r, hn::Max(stretch, one), at);
-    const auto next = hn::IfThenElse(apart, hn::Add(t, radius), hn::Min(forward, far));
-    hn::Store(hn::IfThenElse(arrives, at, t), d, chunk.t + i);
-    hn::Store(hn::IfThenElse(arrives, r, radius), d, chunk.radius + i);
+    const Onward then(clear, hn::IfThenElse(apart, clear, hn::Min(forward, far)), width, limits);
     slope_now = hn::IfThenElse(apart, set(kSlopeAfterReturn), slope_now);
     hn::Store(hn::IfThenElse(moved, slope_now, slope), d, chunk.slope + i);
-    live += lanes.finish(next, limits, points);
+    hn::Store(hn::IfThenElse(moved, from, t), d, chunk.t + i);
+    const auto kept = hn::IfThenElse(hits, lanes.found, reach);
+    hn::Store(hn::IfThenElse(moved, kept, radius), d, chunk.radius + i);
+    hn::Store(hn::IfThenElse(moved, then.mark, first), d, chunk.first + i);
+    live += lanes.finish(then.next, limits, points);
   }
   return live;
 }
@@ -183,7 +190,8 @@ HWY_ATTR std::size_t advance_cones(Chunk& chunk, std::size_t count, const Distan
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     Moving lanes(chunk, i, found);
     // Beyond the end of the world nothing matters, and infinities would not survive below.
-    const auto at = lanes.at, r = hn::Min(lanes.found, set(2.0F * limits.far_m));
+    const auto at = lanes.at, found_here = hn::Min(lanes.found, set(2.0F * limits.far_m));
+    const auto r = clear_way(at, found_here, set(limits.hit_width), limits);
     const auto sine = hn::Load(d, chunk.width + i), half = hn::Load(d, chunk.half + i);
     const auto chord = hn::Mul(hn::Mul(set(2.0F), at), half);
     lanes.end(hn::Not(hn::Gt(r, hn::Mul(set(kConeStop), chord))), LaneState::Stopped);

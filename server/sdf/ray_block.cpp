@@ -6,6 +6,10 @@
 namespace macula::sdf {
 namespace {
 
+/// Of a hit distance at unit t: a surface that falls off by a third of the way is still crossed
+/// within kCrossingReach. Cells are wider than this asks for from two degrees on.
+constexpr float kMostHitWidth = 0x1p-10F;
+
 RayStatus status_of(LaneState state) {
   switch (state) {
     case LaneState::Hit:
@@ -52,7 +56,8 @@ class Aim {
       s_.rays.tangent_x[ray] = tangent.x, s_.rays.tangent_y[ray] = tangent.y;
       // Half the cell's lesser side, seen from the eye: at most its width across the ray.
       const float square = 1.0F + tangent.x * tangent.x + tangent.y * tangent.y;
-      s_.widths[ray] = b_.hit_pixels * 0.5F * std::min(size.x, size.y) / square;
+      s_.widths[ray] =
+          std::min(b_.hit_pixels * 0.5F * std::min(size.x, size.y) / square, kMostHitWidth);
       Hit& hit = s_.block.hits[ray];
       hit.x = static_cast<std::uint16_t>(column), hit.y = static_cast<std::uint16_t>(row);
       hit.sample = static_cast<std::uint8_t>(i);

@@ -18,9 +18,8 @@ struct ConeCell {
 
 /// How a lane ended.
 struct LaneResult {
-  float at = 0.0F;
-  float found = 0.0F, slope = -1.0F;  ///< of a ray: the last distance, how it changed on the way
-  float stopped = 0.0F;               ///< where it ended, once `at` is moved onto the surface
+  float at = 0.0F;     ///< of a hit: its mark, later the crossing
+  float found = 0.0F;  ///< of a hit: the distance at its mark
   std::uint16_t steps = 0;
   LaneState state = LaneState::Miss;
 };
@@ -47,8 +46,6 @@ struct TraceScratch {
   Slabs tile_slabs, block_slabs;
   PointBatch points{};
   DistanceBatch distances{};
-  PointBatch ends{};  ///< a second batch, of the far ends of cells
-  DistanceBatch at_ends{};
   Crossings crossings{};
   SurfaceBatch surfaces{};
   Directions corners, rays;            ///< of the block's cell corners, and of its samples

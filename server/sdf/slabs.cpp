@@ -137,7 +137,8 @@ Ball Slabs::ball_of(float low, float high) const {
 
 Slabs::FreeBalls Slabs::are_free(std::span<const Ball> balls, float high, const Tape& rest,
                                  Registers& registers) const {
-  const float near_m = 1.0001F * (hit_width_ * high * (1.0F + kSlabMargin) + hit_m_);
+  const float width = hit_width_ + kFieldRounding;
+  const float near_m = 1.0001F * (width * high * (1.0F + kSlabMargin) + hit_m_);
   PointBatch centres{};
   DistanceBatch found{};
   for (std::size_t i = 0; i < balls.size(); ++i) centres.set(i, balls[i].centre);

@@ -1,8 +1,6 @@
 #include "server/sdf/surfaces.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <span>
 
 #include "server/sdf/crossing.h"
@@ -10,31 +8,8 @@
 namespace macula::sdf {
 namespace {
 
-using Ids = std::vector<std::uint32_t>;
-
 /// A run with gradients carries a value and three derivatives.
 constexpr std::uint64_t kGradientRuns = 4;
-
-std::uint32_t cell_of(float t) {
-  return std::bit_cast<std::uint32_t>(t) / kCellSteps;
-}
-float begin_of(std::uint32_t cell) {
-  return std::bit_cast<float>(cell * kCellSteps);
-}
-
-/// A ray that grazes, on its way back to where it came within the hit distance: outside at the
-/// begin of cell `low`, inside at that of `high`, once both are known.
-struct Grazing {
-  std::uint32_t id = 0;
-  std::uint32_t high = 0, low = 0;
-  float f_high = 0.0F, f_low = 0.0F;  ///< distances less the hit distance there
-  enum class Phase { Inside, Outside, Between, Done, Lost } phase = Phase::Inside;
-
-  std::uint32_t asks() const {
-    if (phase == Phase::Inside) return high;
-    return phase == Phase::Outside ? low : low + (high - low) / 2;
-  }
-};
 
 class SlabSurfaces {
  public:
@@ -47,7 +22,6 @@ class SlabSurfaces {
 
   MarchWork run() {
     find_crossings();
-    find_touches();
     take_surfaces();
     work_.operations *= slab_.operations;
     return work_;
@@ -64,97 +38,46 @@ class SlabSurfaces {
     work_.evaluations += count, work_.operations += count;
   }
 
-  // ---- rays that cross ----
+  // ---- crossings ----
 
+  /// As many rays as a batch holds at a time; the next come in where others are done.
   void find_crossings() {
-    constexpr int kRounds = 4;
-    Ids open = slab_.hits, next;
-    for (const std::uint32_t id : open) s_.results[id].stopped = s_.results[id].at;
-    for (int round = 0; round < kRounds && !open.empty(); ++round, std::swap(open, next)) {
-      next.clear();
-      in_batches(open, [&](std::span<const std::uint32_t> ids) { look(ids, next); });
-    }
-    grazing_.insert(grazing_.end(), open.begin(), open.end());
+    std::size_t next = 0;
+    do {
+      while (open_ < kBatch && next < slab_.hits.size()) begin(slab_.hits[next++]);
+      aim_crossings(s_.crossings, open_, limits_.hit_m, s_.points);
+      measure(s_.points, open_, s_.distances);
+      take_crossings(s_.crossings, open_, s_.distances);
+      keep_open();
+    } while (open_ > 0 || next < slab_.hits.size());
   }
-  void look(std::span<const std::uint32_t> ids, Ids& next) {
+  void begin(std::uint32_t id) {
     Crossings& rays = s_.crossings;
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      const LaneResult& result = s_.results[ids[i]];
-      rays.x[i] = s_.rays.x[ids[i]], rays.y[i] = s_.rays.y[ids[i]], rays.z[i] = s_.rays.z[ids[i]];
-      rays.at[i] = result.at, rays.found[i] = result.found, rays.slope[i] = result.slope;
-    }
-    choose_cells(rays, ids.size(), s_.points, s_.ends);
-    measure(s_.points, ids.size(), s_.distances);
-    measure(s_.ends, ids.size(), s_.at_ends);
-    cross_cells(rays, ids.size(), s_.distances, s_.at_ends);
-    for (std::size_t i = 0; i < ids.size(); ++i) take(i, ids[i], next);
+    const std::size_t i = open_++;
+    rays.x[i] = s_.rays.x[id], rays.y[i] = s_.rays.y[id], rays.z[i] = s_.rays.z[id];
+    rays.mark[i] = s_.results[id].at, rays.width[i] = s_.widths[id];
+    rays.f_low[i] = s_.results[id].found;
+    rays.phase[i] = static_cast<std::int32_t>(CrossingPhase::New);
+    rays.id[i] = id;
   }
-  void take(std::size_t i, std::uint32_t id, Ids& next) {
-    const Crossings& rays = s_.crossings;
-    LaneResult& result = s_.results[id];
-    const bool near = std::abs(rays.at[i] - result.stopped) <= kCrossingReach * result.stopped;
-    if (!near) return grazing_.push_back(id);
-    result.at = rays.at[i], result.found = rays.found[i], result.slope = rays.slope[i];
-    if (static_cast<CrossingState>(rays.state[i]) == CrossingState::Open) next.push_back(id);
-  }
-
-  // ---- rays that only touch ----
-
-  /// Back by one cell, two, four, until the ray is outside the hit distance; then between.
-  void find_touches() {
-    std::vector<Grazing> rays;
-    for (const std::uint32_t id : grazing_) {
-      LaneResult& result = s_.results[id];
-      result.at = result.stopped;
-      rays.push_back({id, cell_of(result.at), 0, 0.0F, 0.0F, Grazing::Phase::Inside});
+  void keep_open() {
+    Crossings& rays = s_.crossings;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < open_; ++i) {
+      if (static_cast<CrossingPhase>(rays.phase[i]) >= CrossingPhase::Found) {
+        s_.results[rays.id[i]].at = rays.at[i];
+      } else {
+        move_ray(rays, i, kept++);
+      }
     }
-    while (!rays.empty()) {
-      for (std::size_t first = 0; first < rays.size(); first += kBatch)
-        step(std::span(rays).subspan(first, std::min(kBatch, rays.size() - first)));
-      std::erase_if(rays, [](const Grazing& ray) { return ray.phase >= Grazing::Phase::Done; });
-    }
+    open_ = kept;
   }
-  void step(std::span<Grazing> rays) {
-    for (std::size_t i = 0; i < rays.size(); ++i)
-      s_.points.set(i, begin_of(rays[i].asks()) * s_.rays[rays[i].id]);
-    measure(s_.points, rays.size(), s_.distances);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      Grazing& ray = rays[i];
-      const float t = begin_of(ray.asks());
-      move(ray, s_.distances.at[i] - (s_.widths[ray.id] * t + limits_.hit_m));
-    }
-  }
-  void move(Grazing& ray, float f) {
-    const float stopped = s_.results[ray.id].stopped;
-    switch (ray.phase) {
-      case Grazing::Phase::Inside:
-        ray.f_high = f;
-        ray.low = ray.high - 1;
-        ray.phase = f < 0.0F && ray.high > 1 ? Grazing::Phase::Outside : Grazing::Phase::Lost;
-        return;
-      case Grazing::Phase::Outside:
-        if (f < 0.0F) {
-          const std::uint32_t stride = 2 * (ray.high - ray.low);
-          ray.f_high = f;
-          ray.high = ray.low;
-          ray.low = ray.high > stride ? ray.high - stride : 0;
-          if (begin_of(ray.low) < (1.0F - kCrossingReach) * stopped)
-            ray.phase = Grazing::Phase::Lost;
-          return;
-        }
-        ray.f_low = f;
-        ray.phase = f >= 0.0F ? Grazing::Phase::Between : Grazing::Phase::Lost;
-        break;
-      default:
-        (f < 0.0F ? ray.high : ray.low) = ray.asks();
-        (f < 0.0F ? ray.f_high : ray.f_low) = f;
-    }
-    if (ray.phase == Grazing::Phase::Between && ray.high - ray.low == 1) finish(ray);
-  }
-  void finish(Grazing& ray) {
-    const float low = begin_of(ray.low), high = begin_of(ray.high);
-    s_.results[ray.id].at = low + (high - low) * (ray.f_low / (ray.f_low - ray.f_high));
-    ray.phase = Grazing::Phase::Done;
+  static void move_ray(Crossings& rays, std::size_t from, std::size_t to) {
+    if (from == to) return;
+    for (float* of : {rays.x, rays.y, rays.z, rays.mark, rays.width, rays.at, rays.low, rays.high,
+                      rays.f_low, rays.f_high, rays.step, rays.least})
+      of[to] = of[from];
+    rays.phase[to] = rays.phase[from], rays.id[to] = rays.id[from];
   }
 
   // ---- what is there ----
@@ -190,7 +113,7 @@ class SlabSurfaces {
   Slab& slab_;
   const Tape& tape_;
   std::vector<Hit>& hits_;
-  Ids grazing_;
+  std::size_t open_ = 0;  ///< rays of scratch.crossings that look for their crossing
   MarchWork work_;
 };
 

@@ -69,8 +69,9 @@ class TileTrace {
   }
 
   TraceCounts run(const image::Rect& tile, const Tracer::Done& done) {
+    limits_.hit_width = hit_width(tile);
     if (prunes())
-      s_.tile_slabs.reset({program_, &tree_, hit_width(tile), options_.hit_m}, cone_of(tile));
+      s_.tile_slabs.reset({program_, &tree_, limits_.hit_width, options_.hit_m}, cone_of(tile));
     const int side = block_side(tile);
     for (int y = 0; y < tile.height; y += side) {
       for (int x = 0; x < tile.width; x += side) {

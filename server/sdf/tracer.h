@@ -1,10 +1,10 @@
 // Sphere tracing of a program over the cells of a PixelGrid. Three methods with the same evaluator
-// and the same definition of a hit: `Full` steps plainly with the whole program; `FullBest` prunes
+// and the same hits: `Full` steps plainly with the whole program; `FullBest` prunes
 // the program by block and depth slab and relaxes its steps (Ban and Valasek 2023); `Cones` first
 // moves cones around ever smaller groups of cells as far as everything in them is free, with the
 // exact step of
 //   t* = t cos th + sqrt(d^2 - t^2 sin^2 th),  d the distance at t on the axis, th the half-angle,
-// and then does what FullBest does from there: the first hit is the same.
+// and then does what FullBest does from there.
 // A Tracer is immutable and used by many threads at once, each with its own TraceWorkspace; a
 // sample's result depends neither on threads nor on the order of tiles. Positions are relative to
 // the program's eye, directions in scene orientation, t along unit directions, meters.
@@ -31,11 +31,12 @@ struct TraceOptions {
   /// more than one sample a cell's own cone follows by itself.
   std::vector<int> levels{16, 8, 4, 2};
   int samples = 1;  ///< rays a cell, 1..16, at sample_offset(i, samples)
-  /// A ray hits where it crosses the surface, once the distance has fallen below hit_pixels * (half
-  /// a cell's width at t) + hit_m; where it does not cross near there, where it first was as near.
-  float hit_pixels = 0.05F;
+  /// A ray hits where it first comes nearer to the surface than hit_pixels * (half a cell's width
+  /// at t) + hit_m, and is moved from there to where it crosses; one that only touches stays.
+  /// Whatever the method (march.h says how), and to the bit.
+  float hit_pixels = 0.125F;
   float hit_m = 0.0F;
-  int max_steps = 1024;  ///< evaluations a ray; then it is Capped
+  int max_steps = 4096;  ///< evaluations a ray; then it is Capped
 };
 
 enum class RayStatus : std::uint8_t {

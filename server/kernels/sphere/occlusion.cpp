@@ -8,7 +8,7 @@
 namespace macula::kernels::sphere {
 
 float surface_gap(const SurfaceBatch& points, std::size_t i) {
-  // Hits lie within a twentieth of half a cell; float coordinates within some ulps of the distance.
+  // Hits lie within an eighth of half a cell; float coordinates within some ulps of the distance.
   constexpr float kUlps = 32.0F * std::numeric_limits<float>::epsilon();
   return std::max(0.5F * points.cell_m.at[i], kUlps * glm::length(points.position[i]));
 }

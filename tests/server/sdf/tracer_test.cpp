@@ -34,7 +34,7 @@ TEST_P(EachMethod, MeetsASphereWhereItsEquationSays) {
   const Field field = scene_of(R"({"type": "sphere", "radius": 1.5})");
   const Pose pose = math::look_at({0.5, 1.0, 6.0}, DVec3{0.0}, {0.0, 1.0, 0.0});
   const Program program = compile(field, 0.0, pose.position);
-  const Traced traced = trace_picture(program, pose, ordinary_grid(200, 150), exactly(GetParam()));
+  const Traced traced = trace_picture(program, pose, grid_of(many(30000)), exactly(GetParam()));
   int hits = 0;
   for (const Hit& hit : traced.hits) {
     const DVec3 direction(hit.direction);
@@ -81,7 +81,7 @@ TEST_P(EachMethod, MeetsAPlaneWhereItsEquationSays) {
   const Field field = scene_of(R"({"type": "plane", "normal": [0, 1, 0]})");
   const Pose pose = math::look_at({0.0, 2.0, 0.0}, {0.0, 0.0, -4.0}, {0.0, 1.0, 0.0});
   const Program program = compile(field, 0.0, pose.position);
-  const Traced traced = trace_picture(program, pose, ordinary_grid(200, 150), exactly(GetParam()));
+  const Traced traced = trace_picture(program, pose, grid_of(many(30000)), exactly(GetParam()));
   for (const Hit& hit : traced.hits) {
     const double expected = 2.0 / -hit.direction.y;
     const bool below = hit.direction.y < -0.1F;
@@ -182,16 +182,12 @@ TEST(Tracer, GivesFirstLevelsAndSamplesTheSameHits) {
   for (const int samples : {1, 4, 16}) {
     TraceOptions options;
     options.samples = samples;
-    options.hit_pixels = 0.05F;
     const Traced all = trace_picture(program, pose, grid, options);
     ASSERT_EQ(all.hits.size(), 120U * 90U * static_cast<std::size_t>(samples));
     for (const std::vector<int>& levels : {std::vector<int>{}, {32, 4}, {1}}) {
       options.levels = levels;
       const Traced other = trace_picture(program, pose, grid, options);
-      std::size_t differ = 0;
-      for (std::size_t i = 0; i < all.hits.size(); ++i)
-        differ += std::abs(all.hits[i].t - other.hits[i].t) > 2e-3F * all.hits[i].t;
-      EXPECT_LT(differ, all.hits.size() / 300);
+      EXPECT_EQ(differences(all.hits, other.hits), 0U);
     }
   }
 }

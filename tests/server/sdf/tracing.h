@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,17 @@ inline PixelGrid ordinary_grid(int width, int height, Degrees vertical_fov = Deg
   return foveation::make_uniform_grid({math::symmetric_fov(vertical_fov, aspect), width, height});
 }
 
+/// How many rays, points or pairs a test sends: as many as it usually does, or MACULA_SDF_RAYS.
+inline int many(int usual) {
+  const char* const asked = std::getenv("MACULA_SDF_RAYS");
+  return asked == nullptr ? usual : std::max(usual, std::atoi(asked));
+}
+/// At least so many cells, four wide for three high.
+inline PixelGrid grid_of(int cells, Degrees vertical_fov = Degrees{60.0}) {
+  const int height = static_cast<int>(std::ceil(std::sqrt(0.75 * cells)));
+  return ordinary_grid((cells + height - 1) / height, height, vertical_fov);
+}
+
 struct Traced {
   std::vector<Hit> hits;  ///< row by row, a cell's samples in order
   TraceCounts counts;
@@ -63,6 +76,16 @@ inline Traced trace_picture(const Program& program, const Pose& pose, const Pixe
     }
   }
   return result;
+}
+
+/// The number of hits with other bits: status, place, normal or material.
+inline std::size_t differences(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    differ += a[i].status != b[i].status || a[i].t != b[i].t || a[i].normal != b[i].normal ||
+              a[i].material != b[i].material;
+  }
+  return differ;
 }
 
 }  // namespace macula::sdf
