@@ -75,12 +75,14 @@ may_include() {  # sets `may`; processes cost more than all the rest
     server/filters | server/reconstruction) may="$pictures" ;;
     server/kernels | server/kernels/*)
       may="$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/filters server/reconstruction server/sdf" ;;
-    server/session) may="shared server/scene server/scheduling server/kernels" ;;
+    server/disocclusion)
+      may="$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/sdf" ;;
+    server/session) may="shared server/scene server/scheduling server/kernels server/disocclusion" ;;
     server/exporter) may="shared server/session" ;;
     server/app) may="shared server" ;;
     client/pose | client/reprojection) may="$pictures" ;;
     client/frames) may="$pictures shared/codec shared/net" ;;
-    client/display/gl) may="$pictures" ;;
+    client/display/gl) may="$pictures client/reprojection" ;;
     client/display/*) may="client/display/gl $pictures shared/net client/pose client/frames client/reprojection" ;;
     client/app) may="shared client" ;;
     *) may="?" ;;
