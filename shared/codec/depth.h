@@ -32,6 +32,11 @@ struct EncodedDepth {
   std::vector<std::uint8_t> residual;
 };
 
+/// What one unit of EncodedDepth::residual means, 1/m.
+inline float residual_step_per_m(float inverse_scale_per_m) {
+  return inverse_scale_per_m / 65535.0F / 16.0F;
+}
+
 /// View depth in meters (+infinity = nothing there, becomes inverse depth 0 exactly) -> bytes.
 /// NaN counts as nothing there. Depth that is not positive clamps to nearest_m like what is too
 /// near, and its block states 255. A finite depth becomes 0 only when its inverse is below half a
