@@ -156,7 +156,7 @@ bool draw_cut_quad(const MeshProjector& mesh, const Cuts& cuts, int column, int 
   const auto vertex = [&](int i) {
     return Vertex{points.x[i], points.y[i], points.inverse_depth[i],
                   static_cast<float>(column - 1) + blends[i].u,
-                  static_cast<float>(row - 1) + blends[i].v};
+                  static_cast<float>(mesh.layer_row() + row - 1) + blends[i].v};
   };
   for (int corner = 0; corner < 4; ++corner) {
     const int first = 4 * corner;  // from the upper left, whichever corner it is

@@ -61,8 +61,9 @@ RelativeView relative_view(const Pose& stage_from_source, const Pose& stage_from
 }
 
 MeshProjector::MeshProjector(const SourceView& source, const RelativeView& relative,
-                             const foveation::Display& display)
+                             const foveation::Display& display, int layer_row)
     : source_(source),
+      layer_row_(layer_row),
       x_tangents_(vertex_tangents(source.grid.x_edges)),
       y_tangents_(vertex_tangents(source.grid.y_edges)) {
   projection_.from_x = Vec3(relative.rotation[0]);
@@ -96,6 +97,7 @@ Vertex MeshProjector::project(float x_tangent, float y_tangent, float inverse_de
 
 void MeshProjector::load(int column, int row, int columns, int rows, Patch& out) const {
   out.column = column, out.row = row, out.columns = columns, out.rows = rows;
+  out.layer_row = layer_row_;
   copy_tangents(x_tangents_, column, columns, out.x_tangents);
   copy_tangents(y_tangents_, row, rows, out.y_tangents);
   const auto& plane = source_.inverse_depth_per_m;

@@ -1,4 +1,5 @@
-// The source grid as mesh vertices, seen from the display. Internal to this room.
+// The source grid as mesh vertices, seen from the display. Internal to this room and its twin,
+// display/gl.
 // Vertex columns and rows: 0 and width + 1 lie on the grid's outer edges, i in 1..width on the
 // centre of cell i - 1; so the mesh reaches as far as the outermost cells do.
 #pragma once
@@ -49,8 +50,9 @@ void project_points(const Projection& projection, Points& points);
 
 class MeshProjector {
  public:
+  /// `layer_row`: 0, or kSecondLayerRow where `source` holds the second layer's planes.
   MeshProjector(const SourceView& source, const RelativeView& relative,
-                const foveation::Display& display);
+                const foveation::Display& display, int layer_row = 0);
 
   int columns() const { return static_cast<int>(x_tangents_.size()); }
   int rows() const { return static_cast<int>(y_tangents_.size()); }
@@ -62,6 +64,7 @@ class MeshProjector {
     return vertex < 1 ? 0 : vertex > size ? size - 1 : vertex - 1;
   }
   float inverse_depth(int column, int row) const;
+  int layer_row() const { return layer_row_; }
   const Projection& projection() const { return projection_; }
   /// The vertex at a tangent of the source view, at a depth in source space. The oracle of
   /// project_patch and project_points.
@@ -72,6 +75,7 @@ class MeshProjector {
 
  private:
   const SourceView& source_;
+  const int layer_row_;
   std::vector<float> x_tangents_, y_tangents_;
   Projection projection_;
 };

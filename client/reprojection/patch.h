@@ -15,6 +15,7 @@ struct Patch {
 
   int column = 0, row = 0;    ///< the mesh's vertex that the patch begins with
   int columns = 0, rows = 0;  ///< of cells; vertices are one more
+  int layer_row = 0;          ///< added to v: which layer's colours are meant
   std::array<float, kStride> x_tangents{}, y_tangents{};  ///< of vertices; infinite past the last
   alignas(64) Values source_inverse{};                    ///< 1/m in source space, sound
   alignas(64) Values x{}, y{};         ///< display pixels; NaN: not in front of the eye

@@ -123,7 +123,7 @@ BlockShape shape_of(const Patch& patch, const Block& block) {
           corner(block.column, last_row),
           corner(last_column, last_row),
           static_cast<float>(patch.column + block.column - 1),
-          static_cast<float>(patch.row + block.row - 1),
+          static_cast<float>(patch.layer_row + patch.row + block.row - 1),
           column_stretch(patch, block),
           row_stretch(patch, block)};
 }

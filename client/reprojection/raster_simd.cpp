@@ -175,7 +175,7 @@ HWY_INLINE HWY_ATTR CellBits draw_lanes(const Patch& patch, int column, int row,
                          y.upper_right);
   const Corners z = corners_of(patch.inverse_depth.data(), column, row);
   const F u0 = hn::Iota(d, static_cast<float>(patch.column + column - 1));
-  const float v0 = static_cast<float>(patch.row + row - 1);
+  const float v0 = static_cast<float>(patch.layer_row + patch.row + row - 1);
   Found found;
   for (int j = 0; j < kMostPixels; ++j) {
     const auto in_row = hn::Gt(down.count, set(static_cast<float>(j)));

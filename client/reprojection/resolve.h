@@ -1,4 +1,5 @@
-// From places in the source grid to colours. Internal to this room; one thread.
+// From places in the source grid to colours. Internal to this room and its twin, display/gl; one
+// thread.
 #pragma once
 
 #include "client/reprojection/fragments.h"
@@ -6,8 +7,19 @@
 
 namespace macula::reprojection {
 
+/// Cell coordinates of one axis; empty where first > last.
+struct CellRange {
+  float first = 0.0F, last = -1.0F;
+};
+/// Where a filter takes CatmullRom.
+struct FineRanges {
+  CellRange u, v;
+};
+FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
+                       WarpOptions::Filter filter);
+
 /// Colours between cell centres; the grid's outermost cells go on beyond its edge; black where
-/// nothing is drawn. At a cell's centre the result is that cell's colour to the bit, whatever the
+/// nothing is drawn. Rows from kSecondLayerRow on are those of the second layer. At a cell's centre the result is that cell's colour to the bit, whatever the
 /// filter.
 class Resolver {
  public:
@@ -15,14 +27,10 @@ class Resolver {
   /// The rows of the fragments' band; `out` has the whole picture's size.
   void resolve_band(const Fragments& fragments, image::Plane<Rgb8>& out) const;
 
-  /// Where CatmullRom is due, in cell coordinates; empty where first > last.
-  struct Range {
-    float first = 0.0F, last = -1.0F;
-  };
-
  private:
   const image::Plane<Rgb8>& source_;
-  Range fine_u_, fine_v_;
+  const image::Plane<Rgb8>& hidden_;  ///< the second layer's; the first's again where there is none
+  const FineRanges fine_;
 };
 
 }  // namespace macula::reprojection

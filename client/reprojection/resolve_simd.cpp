@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "client/reprojection/raster_rules.h"
 #include "client/reprojection/resolve.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -23,7 +24,8 @@ inline constexpr int kGroup = 16;  ///< pixels
 struct Resolving {
   const Fragments& fragments;
   const image::Plane<Rgb8>& source;
-  Resolver::Range fine_u, fine_v;
+  const image::Plane<Rgb8>& hidden;  ///< of the same size
+  FineRanges fine;
 };
 
 /// Of sixteen pixels: the cell before each and the distance from it, 0 to 1, along both axes.
@@ -31,7 +33,11 @@ struct Places {
   alignas(64) float u[kGroup], v[kGroup];
   alignas(64) std::int32_t column[kGroup], row[kGroup];
   alignas(64) float across[kGroup], down[kGroup];
-  std::uint32_t drawn = 0, fine = 0;  ///< a bit a pixel
+  std::uint32_t drawn = 0, fine = 0, hidden = 0;  ///< a bit a pixel
+
+  const image::Plane<Rgb8>& plane(const Resolving& r, std::size_t i) const {
+    return (hidden >> i & 1) != 0 ? r.hidden : r.source;
+  }
 };
 
 /// Sixteen colours: as floats, red first, and rounded, red in the lowest byte.
@@ -110,10 +116,13 @@ HWY_INLINE HWY_ATTR Cell cell_at(F place, int size) {
 HWY_INLINE HWY_ATTR void find_places(const Resolving& r, int x, int y, int count, Places& places) {
   const Floats d;
   const Ints di;
-  places.drawn = places.fine = 0;
+  places.drawn = places.fine = places.hidden = 0;
   for (int i = 0; i < kGroup; i += kLanes) {
     const F u = hn::LoadU(d, r.fragments.us(y) + x + i),
-            v = hn::LoadU(d, r.fragments.vs(y) + x + i);
+            row = hn::LoadU(d, r.fragments.vs(y) + x + i);
+    const F second = set(static_cast<float>(kSecondLayerRow));
+    const auto hidden = hn::Ge(row, hn::Sub(second, set(1.0F)));  // half a cell beyond its edge
+    const F v = hn::Sub(row, hn::IfThenElseZero(hidden, second));
     const auto drawn = hn::Ge(hn::LoadU(d, r.fragments.inverse_depths(y) + x + i), set(0.0F));
     const Cell across = cell_at(hn::IfThenElseZero(drawn, u), r.source.width());
     const Cell down = cell_at(hn::IfThenElseZero(drawn, v), r.source.height());
@@ -122,10 +131,11 @@ HWY_INLINE HWY_ATTR void find_places(const Resolving& r, int x, int y, int count
     hn::Store(down.before, di, places.row + i);
     hn::Store(down.beyond, d, places.down + i);
     const auto fine =
-        hn::And(hn::And(hn::Ge(u, set(r.fine_u.first)), hn::Le(u, set(r.fine_u.last))),
-                hn::And(hn::Ge(v, set(r.fine_v.first)), hn::Le(v, set(r.fine_v.last))));
+        hn::And(hn::And(hn::Ge(u, set(r.fine.u.first)), hn::Le(u, set(r.fine.u.last))),
+                hn::And(hn::Ge(v, set(r.fine.v.first)), hn::Le(v, set(r.fine.v.last))));
     places.drawn |= bits_of(drawn) << i;
     places.fine |= bits_of(fine) << i;
+    places.hidden |= bits_of(hidden) << i;
   }
   places.drawn &= (std::uint32_t{1} << count) - 1;
   places.fine &= places.drawn;
@@ -252,6 +262,7 @@ HWY_INLINE HWY_ATTR void resolve_catmull_rom(const Resolving& r, const Places& p
   for (std::uint32_t rest = places.fine; rest != 0; rest &= rest - 1) {
     const auto i = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
     const int column = places.column[i], row = places.row[i];
+    const image::Plane<Rgb8>& source = places.plane(r, i);
     BorderTaps border;
     Taps taps;
     if (column >= 1 && row >= 1 && column <= width - 5 && row <= height - 3) {  // 16 bytes exist
@@ -259,10 +270,10 @@ HWY_INLINE HWY_ATTR void resolve_catmull_rom(const Resolving& r, const Places& p
           3 * (static_cast<std::size_t>(row - 1) * static_cast<std::size_t>(width) +
                static_cast<std::size_t>(column - 1));
       for (std::size_t j = 0; j < 4; ++j) {
-        taps.rows[j] = bytes_of(r.source) + first + 3 * j * static_cast<std::size_t>(width);
+        taps.rows[j] = bytes_of(source) + first + 3 * j * static_cast<std::size_t>(width);
       }
     } else {
-      taps = border.around(r.source, column, row);
+      taps = border.around(source, column, row);
     }
     const hn::Vec<Bytes> rows[4] = {hn::TableLookupBytesOr0(hn::LoadU(d8, taps.rows[0]), spread),
                                     hn::TableLookupBytesOr0(hn::LoadU(d8, taps.rows[1]), spread),
@@ -342,7 +353,8 @@ HWY_INLINE HWY_ATTR void resolve_bilinear(const Resolving& r, const Places& plac
   const Doubles d32;
   alignas(64) std::uint8_t rows[kGroup][16];
   for (int i = 0; i < kGroup; ++i) {
-    copy_two_rows(r.source, places.column[i], places.row[i], rows[i]);
+    copy_two_rows(places.plane(r, static_cast<std::size_t>(i)), places.column[i],
+                  places.row[i], rows[i]);
   }
   alignas(64) std::uint64_t words[kGroup][2];
   constexpr int kPixels = kLanes / 4;  // in a vector
@@ -407,8 +419,8 @@ HWY_AFTER_NAMESPACE();
 namespace macula::reprojection {
 namespace {
 
-Resolver::Range fine_range(const std::vector<float>& edges, double finest) {
-  Resolver::Range range;
+CellRange fine_range(const std::vector<float>& edges, double finest) {
+  CellRange range;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     if (edges[i + 1] - edges[i] > finest) continue;
     if (range.first > range.last) range.first = static_cast<float>(i);
@@ -421,27 +433,29 @@ Resolver::Range fine_range(const std::vector<float>& edges, double finest) {
 
 HWY_EXPORT(resolve_rows);
 
-Resolver::Resolver(const SourceView& source, const foveation::Display& display,
-                   WarpOptions::Filter filter)
-    : source_(source.color) {
+FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
+                       WarpOptions::Filter filter) {
   constexpr float kAll = std::numeric_limits<float>::infinity();
   switch (filter) {
     case WarpOptions::Filter::Bilinear:
-      break;
+      return {};
     case WarpOptions::Filter::CatmullRom:
-      fine_u_ = fine_v_ = {-kAll, kAll};
+      return {{-kAll, kAll}, {-kAll, kAll}};
+    case WarpOptions::Filter::Fovea:
       break;
-    case WarpOptions::Filter::Fovea: {
-      const DVec2 finest = static_cast<double>(WarpOptions::kFine_px) * display.pixel_tangent();
-      fine_u_ = fine_range(source.grid.x_edges, finest.x);
-      fine_v_ = fine_range(source.grid.y_edges, finest.y);
-      break;
-    }
   }
+  const DVec2 finest = static_cast<double>(WarpOptions::kFine_px) * display.pixel_tangent();
+  return {fine_range(grid.x_edges, finest.x), fine_range(grid.y_edges, finest.y)};
 }
 
+Resolver::Resolver(const SourceView& source, const foveation::Display& display,
+                   WarpOptions::Filter filter)
+    : source_(source.color),
+      hidden_(source.hidden != nullptr ? source.hidden->color : source.color),
+      fine_(fine_ranges(source.grid, display, filter)) {}
+
 void Resolver::resolve_band(const Fragments& fragments, image::Plane<Rgb8>& out) const {
-  HWY_DYNAMIC_DISPATCH(resolve_rows)({fragments, source_, fine_u_, fine_v_}, out);
+  HWY_DYNAMIC_DISPATCH(resolve_rows)({fragments, source_, hidden_, fine_}, out);
 }
 
 }  // namespace macula::reprojection

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "client/reprojection/cuts.h"
@@ -22,15 +23,41 @@ struct PatchPlace {
   BlockShape shape;
 };
 
-/// The whole mesh, patch by patch: flat blocks as one, the rest cell by cell. Patches are looked at
-/// once, and again with each band of the display that those which are not flat reach.
+/// Which of a mesh's cells are to be drawn: 1 each, by the vertex at their upper left; null: all.
+class WantedCells {
+ public:
+  explicit WantedCells(const image::Plane<std::uint8_t>* cells) : cells_(cells) {}
+
+  bool any(int column, int row, int columns, int rows) const {
+    for (int y = row; cells_ != nullptr && y < row + rows; ++y) {
+      const auto some = cells_->row(y).subspan(static_cast<std::size_t>(column),
+                                               static_cast<std::size_t>(columns));
+      if (std::find(some.begin(), some.end(), std::uint8_t{1}) != some.end()) return true;
+    }
+    return cells_ == nullptr;
+  }
+  /// Of `columns` cells from (column, row) on.
+  CellBits bits(int column, int row, int columns) const {
+    if (cells_ == nullptr) return ~CellBits{0};
+    CellBits bits = 0;
+    for (int i = 0; i < columns; ++i) bits |= CellBits{(*cells_)(column + i, row)} << i;
+    return bits;
+  }
+
+ private:
+  const image::Plane<std::uint8_t>* cells_;
+};
+
+/// One layer's mesh, patch by patch: flat blocks as one, the rest cell by cell. Patches are looked
+/// at once, and again with each band of the display that those which are not flat reach.
 class MeshDrawing {
  public:
   MeshDrawing(const MeshProjector& mesh, const Cuts& cuts, const WarpOptions& options,
-              std::vector<PatchPlace>& places, Patch& patch)
+              const WantedCells& wanted, std::vector<PatchPlace>& places, Patch& patch)
       : mesh_(mesh),
         cuts_(cuts),
         options_(options),
+        wanted_(wanted),
         flat_difference_(options.detail_px > 0.0F ? cuts.difference_of(options.detail_px) : -1.0F),
         places_(places),
         patch_(patch) {
@@ -68,6 +95,8 @@ class MeshDrawing {
       const int rows = cells_from(row, mesh_.rows());
       for (int column = 0; column + 1 < mesh_.columns(); column += patch_.columns) {
         const int columns = cells_from(column, mesh_.columns());
+        patch_.columns = columns, patch_.rows = rows;
+        if (!wanted_.any(column, row, columns, rows)) continue;
         mesh_.load(column, row, columns, rows, patch_);
         places_.push_back(place_of_patch());
       }
@@ -100,6 +129,10 @@ class MeshDrawing {
   }
 
   void draw_blocks(const Block& block, Fragments& out) {
+    if (!wanted_.any(patch_.column + block.column, patch_.row + block.row, block.columns,
+                     block.rows)) {
+      return;
+    }
     if (is_flat(patch_, block, flat_difference_)) {
       draw_block(shape_of(patch_, block), options_.detail_px, out);
     } else {
@@ -122,7 +155,8 @@ class MeshDrawing {
   }
 
   void draw_singles(int row, Fragments& out) {
-    CellBits whole = single_[row];
+    CellBits whole =
+        single_[row] & wanted_.bits(patch_.column, patch_.row + row, patch_.columns);
     CellBits steps = cells_with_steps(patch_, row, cuts_.harmless_difference()) & whole;
     for (; steps != 0; steps &= steps - 1) {
       const int column = std::countr_zero(steps);
@@ -140,11 +174,47 @@ class MeshDrawing {
   const MeshProjector& mesh_;
   const Cuts& cuts_;
   const WarpOptions& options_;
+  const WantedCells wanted_;
   const float flat_difference_;
   std::vector<PatchPlace>& places_;
   Patch& patch_;
   std::array<CellBits, Patch::kCells> single_{};
 };
+
+/// One layer with all that its drawing refers to.
+class LayerDrawing {
+ public:
+  LayerDrawing(const SourceView& source, int layer_row, const WantedCells& wanted,
+               const RelativeView& relative, const foveation::Display& display,
+               const WarpOptions& options, std::vector<PatchPlace>& places, Patch& patch)
+      : mesh_(source, relative, display, layer_row),
+        cuts_(mesh_, relative, display, cut_px(options)),
+        drawing_(mesh_, cuts_, options, wanted, places, patch) {}
+  LayerDrawing(const LayerDrawing&) = delete;  // its parts refer to each other
+  LayerDrawing& operator=(const LayerDrawing&) = delete;
+
+  void draw(Fragments& out) { drawing_.draw(out); }
+
+ private:
+  static float cut_px(const WarpOptions& options) {
+    const bool stretched = options.silhouettes == WarpOptions::Silhouettes::Stretch;
+    return stretched ? std::numeric_limits<float>::infinity() : options.cut_px;
+  }
+
+  const MeshProjector mesh_;
+  const Cuts cuts_;
+  MeshDrawing drawing_;
+};
+
+/// The second layer as a picture of its own; nothing where none is known, none is wanted, or the
+/// eye has not moved: what was hidden is hidden still.
+std::optional<SourceView> hidden_source(const SourceView& source, const WarpOptions& options,
+                                        const RelativeView& relative) {
+  const bool wanted = options.layers == WarpOptions::Layers::Both && source.hidden != nullptr;
+  if (!wanted || relative.offset_m == DVec3{0.0}) return std::nullopt;
+  return SourceView{source.stage_from_view, source.grid, source.hidden->color,
+                    source.hidden->inverse_depth_per_m};
+}
 
 /// Rows of a band: what is drawn there stays in a second-level cache of a megabyte.
 constexpr int kBandBytes = 600'000;
@@ -159,6 +229,11 @@ void check_sizes(const SourceView& source, const foveation::Display& display) {
   MACULA_CHECK(foveation::is_valid(source.grid));
   MACULA_CHECK(fits(source.color) && fits(source.inverse_depth_per_m),
                "colour and depth must have the size of the grid");
+  if (source.hidden != nullptr) {
+    MACULA_CHECK(fits(source.hidden->color) && fits(source.hidden->inverse_depth_per_m));
+    MACULA_CHECK(source.hidden->cells.width() == source.grid.width() + 1 &&
+                 source.hidden->cells.height() == source.grid.height() + 1);
+  }
   MACULA_CHECK(display.width_px > 0 && display.height_px > 0 && math::is_valid(display.fov));
 }
 
@@ -166,7 +241,7 @@ void check_sizes(const SourceView& source, const foveation::Display& display) {
 
 struct Warper::Memory {
   Patch patch;
-  std::vector<PatchPlace> places;
+  std::vector<PatchPlace> places, hidden_places;
   Fragments fragments;
   Holes holes;
 };
@@ -182,23 +257,25 @@ WarpReport Warper::warp(const SourceView& source, const Pose& stage_from_display
   check_sizes(source, display);
   const RelativeView relative =
       relative_view(source.stage_from_view, stage_from_display, options.method);
-  const MeshProjector mesh(source, relative, display);
-  const bool stretched = options.silhouettes == WarpOptions::Silhouettes::Stretch;
-  const Cuts cuts(mesh, relative, display,
-                  stretched ? std::numeric_limits<float>::infinity() : options.cut_px);
-
+  auto& [patch, places, hidden_places, fragments, holes] = *memory_;
+  LayerDrawing seen(source, 0, WantedCells(nullptr), relative, display, options, places, patch);
+  const auto hidden = hidden_source(source, options, relative);
+  std::optional<LayerDrawing> behind;
+  if (hidden) {
+    behind.emplace(*hidden, kSecondLayerRow, WantedCells(&source.hidden->cells), relative, display,
+                   options, hidden_places, patch);
+  }
   const Resolver resolver(source, display, options.filter);
-  auto& [patch, places, fragments, holes] = *memory_;
   fragments.resize(display.width_px, display.height_px);
   holes.clear();
   if (out.width() != display.width_px || out.height() != display.height_px) {
     out.resize(display.width_px, display.height_px);
   }
-  MeshDrawing drawing(mesh, cuts, options, places, patch);
   const int rows = band_rows(display.width_px);
   for (int first = 0; first < display.height_px; first += rows) {
     fragments.begin_band(first, std::min(first + rows, display.height_px));
-    drawing.draw(fragments);
+    if (behind) behind->draw(fragments);
+    seen.draw(fragments);
     for (int y = first; y < fragments.end_row(); ++y) holes.note_row(fragments, y);
     resolver.resolve_band(fragments, out);
   }

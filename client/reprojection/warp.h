@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "client/reprojection/hidden_picture.h"
 #include "shared/foveation/pixel_grid.h"
 #include "shared/image/color.h"
 #include "shared/image/plane.h"
@@ -24,6 +25,8 @@ struct SourceView {
   const PixelGrid& grid;
   const image::Plane<Rgb8>& color;
   const image::Plane<float>& inverse_depth_per_m;
+  /// What the frame's near surfaces hide, of the same grid; null: not known.
+  const HiddenPicture* hidden = nullptr;
 };
 
 struct WarpOptions {
@@ -40,6 +43,9 @@ struct WarpOptions {
   enum class Silhouettes { Stretch, Cut, Splat };
   Silhouettes silhouettes = Silhouettes::Splat;
   float cut_px = 0.75F;
+  /// Both: what the frame hides is drawn before it, where it is known.
+  enum class Layers { First, Both };
+  Layers layers = Layers::Both;
   enum class Holes { FillFartherSide, LeaveBlack };
   Holes holes = Holes::FillFartherSide;
   /// Between cell centres. CatmullRom keeps detail that Bilinear blurs: 4 dB on waves of 7.5 cells.
