@@ -66,7 +66,7 @@ export ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 UBSAN_OPTIONS=pri
 run_ctest asan "$skip" "${unmeasured[@]}"
 
 say "thread sanitizer"
-configure_and_build tsan -DMACULA_SANITIZE_PICTURES=$pictures
+configure_and_build tsan
 export TSAN_OPTIONS="suppressions=$root/tests/support/tsan.supp halt_on_error=1 second_deadlock_stack=1"
 runner=(setarch -R)
 run_ctest tsan "$skip" "${unmeasured[@]}"
