@@ -27,13 +27,18 @@ Run declare_reprojection(CLI::App& command, Pace pace) {
   command.add_option("--methods", options->methods, "What to measure")
       ->delimiter(',')
       ->check(CLI::IsMember({"stale", "rotation", "rotation_guard", "mesh", "mesh_cut",
-                             "mesh_cut_splat", "grid", "predicted"}))
+                             "mesh_cut_splat", "grid", "predicted", "layered", "layered_predicted"}))
       ->option_text(
-          "stale,rotation,rotation_guard,mesh,mesh_cut,mesh_cut_splat,grid,predicted (all)");
+          "stale,rotation,rotation_guard,mesh,mesh_cut,mesh_cut_splat,grid,predicted,layered,"
+          "layered_predicted (all)");
   command.add_option("--source-scales", options->source_scales, "Cells a pixel along an axis")
       ->delimiter(',')
       ->check(CLI::Range(0.25, 4.0))
       ->option_text("N,... (1,1.5)");
+  command.add_option("--codec", options->codec, "Frames as rendered, or through the wire's codecs")
+      ->check(CLI::IsMember({"none", "default"}))
+      ->option_text("none|default (none)");
+  command.add_flag("--foveated", options->foveated, "Frames on the server's foveal grid");
   command.add_option("--material", options->material, "lambert for the bars; full apart from them")
       ->check(CLI::IsMember({"lambert", "full"}))
       ->option_text("lambert|full (lambert)");

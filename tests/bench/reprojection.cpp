@@ -11,6 +11,7 @@
 #include "client/pose/demo_trace.h"
 #include "client/pose/predictor.h"
 #include "client/pose/trace.h"
+#include "client/reprojection/error_bound.h"
 #include "shared/base/text.h"
 #include "shared/image/png.h"
 #include "shared/metrics/error.h"
@@ -28,6 +29,7 @@ using base::forward;
 using reprojection::WarpOptions;
 
 constexpr Degrees kView{60.0}, kGuard{12.0};
+constexpr double kViewCell_m = 0.05;         // that the second layer is made for
 constexpr double kSamplesPerSecond = 72.0;  // of the head, that prediction sees
 
 foveation::Display display_of(int side_px) {
@@ -39,10 +41,10 @@ foveation::Display display_of(int side_px) {
 struct Method {
   const char* name;
   WarpOptions options;
-  bool guarded = true, predicted = false;
+  bool guarded = true, predicted = false, layered = false;
 };
 using Silhouettes = WarpOptions::Silhouettes;
-const std::array<Method, 8> kMethods{{
+const std::array<Method, 10> kMethods{{
     {"stale", {.method = WarpOptions::Method::Stale}},
     {"rotation", {.method = WarpOptions::Method::RotationOnly}, false},
     {"rotation_guard", {.method = WarpOptions::Method::RotationOnly}},
@@ -51,7 +53,13 @@ const std::array<Method, 8> kMethods{{
     {"mesh_cut_splat", {}},
     {"grid", {.detail_px = WarpOptions::kGridDetail_px, .filter = WarpOptions::Filter::Bilinear}},
     {"predicted", {}, true, true},
+    {"layered", {}, true, false, true},
+    {"layered_predicted", {}, true, true, true},
 }};
+
+const Method& method_named(const std::string& name) {
+  return *std::ranges::find(kMethods, name, &Method::name);
+}
 
 // ---- heads ----
 
@@ -168,6 +176,21 @@ int squared_error(const Rgb8& a, const Rgb8& b) {
   return r * r + g * g + bl * bl;
 }
 
+/// The disc of 10 degrees around the axis.
+double f10_psnr_db(const image::Plane<Rgb8>& shown, const image::Plane<Rgb8>& expected,
+                   const PixelGrid& raster) {
+  const double least = std::cos(Radians{Degrees{10.0}}.value());
+  double squares = 0.0, values = 0.0;
+  for (int y = 0; y < shown.height(); ++y) {
+    for (int x = 0; x < shown.width(); ++x) {
+      if (1.0 / static_cast<double>(glm::length(raster.ray(x, y))) < least) continue;
+      squares += squared_error(shown(x, y), expected(x, y));
+      values += 3.0;
+    }
+  }
+  return squares == 0.0 ? INFINITY : 10.0 * std::log10(255.0 * 255.0 * values / squares);
+}
+
 /// Grey: four times the root mean square error of each pixel.
 image::Plane<Rgb8> error_picture(const image::Plane<Rgb8>& shown,
                                  const image::Plane<Rgb8>& expected) {
@@ -220,8 +243,9 @@ ErrorShares error_shares(const image::Plane<Rgb8>& shown,
 
 /// What the poses of one row gave.
 struct Samples {
-  std::vector<double> psnr_db, gp_psnr_db, flip, holes_pct, outside_pct, error_filled_pct,
-      error_silhouette_pct, cpu_ms, turn_deg, offset_cm;
+  std::vector<double> psnr_db, f10_psnr_db, bound_p95_px, true_p95_px, violations, bytes, hidden_bytes_pct,
+      gp_psnr_db, flip, holes_pct, outside_pct, error_filled_pct,
+      error_silhouette_pct, hidden_cells_pct, hidden_cpu_pct, cpu_ms, turn_deg, offset_cm;
 };
 
 void add_sample(const SourcePicture& source, const SourcePicture& expected,
@@ -229,11 +253,14 @@ void add_sample(const SourcePicture& source, const SourcePicture& expected,
                 reprojection::Warper& warper, image::Plane<Rgb8>& shown, Samples& samples) {
   image::Plane<reprojection::Coverage> coverage;
   Stopwatch watch;
-  const auto report = warper.warp(source.view(), expected.stage_from_view, display, method.options,
-                                  shown, &coverage);
+  WarpOptions options = method.options;
+  options.layers = method.layered ? WarpOptions::Layers::Both : WarpOptions::Layers::First;
+  const auto report = warper.warp(source.view(), expected.stage_from_view, display, options, shown,
+                                  &coverage);
   samples.cpu_ms.push_back(watch.lap().cpu_ms);
   const auto reference = metrics::unit_from_8bit(expected.color);
   const auto test = metrics::unit_from_8bit(shown);
+  samples.f10_psnr_db.push_back(f10_psnr_db(shown, expected.color, expected.grid));
   const double ppd = display.pixels_per_degree();
   samples.psnr_db.push_back(metrics::psnr_db(reference, test));
   samples.gp_psnr_db.push_back(metrics::gp_psnr_db(
@@ -245,9 +272,72 @@ void add_sample(const SourcePicture& source, const SourcePicture& expected,
   const ErrorShares shares = error_shares(shown, coverage, expected);
   samples.error_filled_pct.push_back(shares.filled_pct);
   samples.error_silhouette_pct.push_back(shares.silhouette_pct);
+  if (method.layered) {
+    samples.hidden_cells_pct.push_back(source.hidden_cells_pct);
+    samples.hidden_cpu_pct.push_back(100.0 * source.hidden_cpu_ms /
+                                     (source.cpu_ms + source.hidden_cpu_ms));
+  }
   const Pose &from = source.stage_from_view, &to = expected.stage_from_view;
   samples.turn_deg.push_back(Degrees(math::angle_between(from, to)).value());
   samples.offset_cm.push_back(100.0 * glm::distance(from.position, to.position));
+}
+
+/// The bound of a source's cells against where the renderer says their points are: nine in each.
+struct BoundCheck {
+  double bound_p95_px = 0.0, true_p95_px = 0.0, violations = 0.0;
+};
+BoundCheck check_bound(const SourcePicture& source, const image::Plane<float>& fine_inverse_depth,
+                       const Pose& to, const foveation::Display& display,
+                       const WarpOptions& options) {
+  const reprojection::SourceView view = source.view();
+  const reprojection::ErrorBound bound(
+      view, {source.depth_residual, source.residual_step_per_m}, to, display, options);
+  BoundCheck check;
+  std::vector<double> bounds, errors;
+  constexpr int kPoints = 3;
+  for (int y = 0; y < source.color.height(); ++y) {
+    for (int x = 0; x < source.color.width(); ++x) {
+      const DVec2 shown = bound.place(x, y, 0.5, 0.5, source.inverse_depth_per_m(x, y));
+      if (!(shown.x >= 0 && shown.x <= display.width_px && shown.y >= 0 &&
+            shown.y <= display.height_px)) {
+        continue;
+      }
+      const double most = bound.at(x, y);
+      bounds.push_back(most);
+      for (int i = 0; i < kPoints * kPoints; ++i) {
+        const int column = i % kPoints, row = i / kPoints;
+        const DVec2 place =
+            bound.place(x, y, (column + 0.5) / kPoints, (row + 0.5) / kPoints,
+                        fine_inverse_depth(kPoints * x + column, kPoints * y + row));
+        const double error = glm::distance(place, shown);
+        if (std::isnan(error)) continue;
+        errors.push_back(error);
+        if (error > most) ++check.violations;
+      }
+    }
+  }
+  check.bound_p95_px = percentile(std::move(bounds), 0.95);
+  check.true_p95_px = percentile(std::move(errors), 0.95);
+  return check;
+}
+
+/// The server's own grid around a gaze straight ahead.
+PixelGrid foveal_grid(const foveation::Display& display, double scale) {
+  return foveation::make_foveal_grid(display, {}, *foveation::find_rate_model("cortical"),
+                                     {.fovea_oversampling = scale, .guard_band = kGuard});
+}
+
+/// Three cells for each, along both axes.
+PixelGrid three_times_finer(const PixelGrid& grid) {
+  const auto split = [](const std::vector<float>& edges) {
+    std::vector<float> finer{edges.front()};
+    for (std::size_t i = 1; i < edges.size(); ++i) {
+      const float step = (edges[i] - edges[i - 1]) / 3.0F;
+      finer.insert(finer.end(), {edges[i - 1] + step, edges[i - 1] + 2.0F * step, edges[i]});
+    }
+    return finer;
+  };
+  return {split(grid.x_edges), split(grid.y_edges)};
 }
 
 /// What a row is, before it is measured.
@@ -256,14 +346,15 @@ struct RowKey {
   double latency_ms, source_scale;
 };
 
-bool is_row_of(const Fields& fields, const RowKey& key, const std::string& material) {
+bool is_row_of(const Fields& fields, const RowKey& key, const ReprojectionOptions& options) {
   const auto is = [&](const char* name, const Value& value) {
     return std::ranges::any_of(
         fields, [&](const auto& field) { return field.first == name && field.second == value; });
   };
-  return is("scene", key.scene) && is("trace", key.trace) && is("method", key.method) &&
+  const bool same = is("codec", options.codec) && is("foveated", options.foveated);
+  return same && is("scene", key.scene) && is("trace", key.trace) && is("method", key.method) &&
          is("latency_ms", key.latency_ms) && is("source_scale", key.source_scale) &&
-         is("material", material);
+         is("material", options.material);
 }
 
 Fields fields_of(const RowKey& key, const ReprojectionOptions& options, const Samples& samples,
@@ -276,20 +367,30 @@ Fields fields_of(const RowKey& key, const ReprojectionOptions& options, const Sa
       {"trace", key.trace},
       {"latency_ms", key.latency_ms},
       {"method", key.method},
-      {"codec", std::string("none")},
-      {"foveated", false},
+      {"codec", options.codec},
+      {"foveated", options.foveated},
       {"source_scale", key.source_scale},
       {"material", options.material},
-      {"layers", std::int64_t{1}},
+      {"layers", std::int64_t{samples.hidden_cells_pct.empty() ? 1 : 2}},
       {"poses", static_cast<std::int64_t>(samples.psnr_db.size())},
       {"psnr_db", median(samples.psnr_db)},
       {"psnr_p10_db", samples.psnr_db.empty() ? std::nan("") : percentile(samples.psnr_db, 0.1)},
+      {"f10_psnr_db", median(samples.f10_psnr_db)},
       {"gp_psnr_db", median(samples.gp_psnr_db)},
       {"flip", median(samples.flip)},
       {"holes_pct", median(samples.holes_pct)},
       {"outside_guard_pct", median(samples.outside_pct)},
       {"error_filled_pct", median(samples.error_filled_pct)},
       {"error_silhouette_pct", median(samples.error_silhouette_pct)},
+      {"bound_p95_px", median(samples.bound_p95_px)},
+      {"true_p95_px", median(samples.true_p95_px)},
+      {"violations", samples.violations.empty()
+                         ? std::nan("")
+                         : *std::max_element(samples.violations.begin(), samples.violations.end())},
+      {"bytes_per_frame", median(samples.bytes)},
+      {"hidden_bytes_pct", median(samples.hidden_bytes_pct)},
+      {"hidden_cells_pct", median(samples.hidden_cells_pct)},
+      {"hidden_cpu_pct", median(samples.hidden_cpu_pct)},
       {"cpu_ms", median(samples.cpu_ms)},
       {"resampling_ceiling_db", ceiling_db},
       {"turn_deg", median(samples.turn_deg)},
@@ -310,7 +411,8 @@ class SceneRun {
         report_(report),
         display_(display_of(options.side_px)),
         raster_(foveation::make_uniform_grid(display_)),
-        guarded_(guarded_raster(display_, kGuard, source_scale)) {}
+        guarded_(options.foveated ? foveal_grid(display_, source_scale)
+                                  : guarded_raster(display_, kGuard, source_scale)) {}
 
   Result<void> run(Progress& progress) {
     const std::vector<double> moments = head_.moments(options_.poses);
@@ -323,7 +425,9 @@ class SceneRun {
       }
       std::map<std::string, Samples> samples;
       for (const double now_s : moments) {
-        if (!missing.empty()) measure(now_s, latency_ms, missing, samples);
+        if (!missing.empty()) {
+          if (auto done = measure(now_s, latency_ms, missing, samples); !done) return done;
+        }
         progress.advance();
       }
       for (const RowKey& key : missing) {
@@ -342,7 +446,7 @@ class SceneRun {
   }
   bool is_known(const RowKey& key) const {
     return std::ranges::any_of(report_.rows, [&](const Fields& fields) {
-      return is_row_of(fields, key, options_.material);
+      return is_row_of(fields, key, options_);
     });
   }
 
@@ -354,7 +458,7 @@ class SceneRun {
     const SourcePicture& expected =
         expected_.emplace(now_s, setting_.render(pose, raster_)).first->second;
     Samples ceiling;
-    add_sample(setting_.render(pose, shifted(guarded_)), expected, display_, kMethods.back(),
+    add_sample(setting_.render(pose, shifted(guarded_)), expected, display_, method_named("mesh_cut_splat"),
                warper_, shown_, ceiling);
     ceilings_db_.push_back(ceiling.psnr_db.front());
     return expected;
@@ -376,24 +480,63 @@ class SceneRun {
     write(base::concat(stem, row.method, "-error.png"), error_picture(shown_, expected.color));
   }
 
-  void measure(double now_s, double latency_ms, const std::vector<RowKey>& rows,
+  /// A frame for the client, and its points' true depths, known when first asked for.
+  struct Source {
+    SourcePicture picture;
+    image::Plane<float> fine_inverse_depth;
+  };
+  Result<Source> source_at(const Pose& from) {
+    SourcePicture picture = setting_.render(from, guarded_, kViewCell_m);
+    if (options_.codec != "none") {
+      auto received = coded(picture);
+      if (!received) return forward(received);
+      picture = std::move(*received);
+    }
+    return Source{std::move(picture), {}};
+  }
+
+  Result<void> measure(double now_s, double latency_ms, const std::vector<RowKey>& rows,
                std::map<std::string, Samples>& samples) {
     const SourcePicture& expected = expected_at(now_s);
     const Pose stage = head_.stage_from_trace(now_s);
     const double then_s = now_s - 1e-3 * latency_ms;
     const Pose old = stage * head_.at(then_s);
     const Pose foretold = stage * head_.predicted(then_s, now_s);
-    std::optional<SourcePicture> plain, predicted;
+    std::optional<Source> plain, predicted;
     for (const RowKey& row : rows) {
-      const Method& method = *std::ranges::find(kMethods, row.method, &Method::name);
+      const Method& method = method_named(row.method);
       const Pose& from = method.predicted ? foretold : old;
       if (math::angle_between(from, expected.stage_from_view) > Radians(kGuard)) continue;
-      std::optional<SourcePicture>& source = method.predicted ? predicted : plain;
-      if (!source) source = setting_.render(from, guarded_);
-      add_sample(method.guarded ? *source : without_guard(*source, display_), expected, display_,
-                 method, warper_, shown_, samples[row.method]);
+      std::optional<Source>& source = method.predicted ? predicted : plain;
+      if (!source) {
+        auto made = source_at(from);
+        if (!made) return forward(made);
+        source = std::move(*made);
+      }
+      const SourcePicture& picture = source->picture;
+      Samples& row_samples = samples[row.method];
+      add_sample(method.guarded ? picture : without_guard(picture, display_), expected, display_,
+                 method, warper_, shown_, row_samples);
+      if (method.layered) add_bound(*source, expected.stage_from_view, method, row_samples);
       if (now_s == last_moment_s_) write_pictures(row, expected);
     }
+    return {};
+  }
+
+  void add_bound(Source& source, const Pose& to, const Method& method, Samples& samples) {
+    if (source.fine_inverse_depth.empty()) {
+      source.fine_inverse_depth =
+          setting_.depth(source.picture.stage_from_view, three_times_finer(guarded_));
+    }
+    const BoundCheck check =
+        check_bound(source.picture, source.fine_inverse_depth, to, display_, method.options);
+    samples.bound_p95_px.push_back(check.bound_p95_px);
+    samples.true_p95_px.push_back(check.true_p95_px);
+    samples.violations.push_back(check.violations);
+    if (source.picture.bytes == 0) return;
+    samples.bytes.push_back(static_cast<double>(source.picture.bytes));
+    samples.hidden_bytes_pct.push_back(100.0 * static_cast<double>(source.picture.hidden_bytes) /
+                                       static_cast<double>(source.picture.bytes));
   }
 
   const ReprojectionOptions& options_;

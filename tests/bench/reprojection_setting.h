@@ -4,10 +4,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "client/reprojection/warp.h"
+#include "server/disocclusion/hidden_layer.h"
 #include "server/kernels/kernel.h"
+#include "shared/codec/hidden_layer.h"
 #include "shared/image/tone.h"
 
 namespace macula::bench {
@@ -18,10 +22,21 @@ struct SourcePicture {
   PixelGrid grid;
   image::Plane<Rgb8> color;
   image::Plane<float> inverse_depth_per_m;
+  std::optional<codec::HiddenLayerPlanes> behind{};  ///< the second layer
+  std::optional<reprojection::HiddenPicture> hidden{};  ///< the same, as the warp draws it
+  std::size_t bytes = 0, hidden_bytes = 0;   ///< of the frame and of its second layer; 0: not coded
+  std::vector<std::uint8_t> depth_residual{};  ///< per 8x8 cells; empty: depth is exact
+  float residual_step_per_m = 0.0F;
+  double cpu_ms = 0.0, hidden_cpu_ms = 0.0;  ///< of rendering each layer, over all threads
+  double hidden_cells_pct = 0.0;             ///< of all cells
   reprojection::SourceView view() const {
-    return {stage_from_view, grid, color, inverse_depth_per_m};
+    return {stage_from_view, grid, color, inverse_depth_per_m, hidden ? &*hidden : nullptr};
   }
 };
+
+/// The picture as a client gets it: JPEG of the default quality, inverse depth, and the second layer
+/// as the server codes it. Errors: the codecs'.
+Result<SourcePicture> coded(const SourcePicture& picture);
 
 /// The display's raster with cells of 1 / `scale` of a pixel, going on for `guard` on every side
 /// (cut off at 80 degrees from the axis).
@@ -34,12 +49,18 @@ class ReprojectionSetting {
   static Result<ReprojectionSetting> create(const std::string& scene, const std::string& material,
                                             int threads);
 
-  SourcePicture render(const Pose& stage_from_view, const PixelGrid& grid);
+  /// With a second layer for an eye that moves by up to `view_cell_m`; 0: without one.
+  SourcePicture render(const Pose& stage_from_view, const PixelGrid& grid,
+                       double view_cell_m = 0.0);
+  /// Inverse depth (1/m) through the middle of every cell.
+  image::Plane<float> depth(const Pose& stage_from_view, const PixelGrid& grid);
   /// The scene's first camera, on the stage; at its origin where there is none.
   const Pose& stage_from_camera() const { return stage_from_camera_; }
 
  private:
   ReprojectionSetting() = default;
+  void add_hidden(const kernels::View& view, const image::Plane<float>& depth_m,
+                  double view_cell_m, SourcePicture& picture);
 
   std::shared_ptr<const kernels::SceneFrame> frame_;
   std::unique_ptr<kernels::Kernel> kernel_;
