@@ -1,11 +1,8 @@
 #include "client/display/gl/picture_pass.h"
 
-#include <epoxy/gl.h>
-
 #include <algorithm>
-#include <array>
-#include <string>
 
+#include "client/display/gl/shaders.h"
 #include "shared/base/check.h"
 
 namespace macula::display {
@@ -54,52 +51,6 @@ void main() {
 }
 )";
 
-tl::unexpected<Error> gl_error(std::string what) {
-  return base::runtime_error(std::move(what), "window",
-                             "OpenGL 3.3 is needed; without it use --display headless");
-}
-
-Result<GLuint> compile(GLenum stage, const char* source) {
-  const GLuint shader = glCreateShader(stage);
-  glShaderSource(shader, 1, &source, nullptr);
-  glCompileShader(shader);
-  GLint compiled = GL_FALSE;
-  glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-  if (compiled == GL_TRUE) return shader;
-  std::array<char, 512> log{};
-  glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  glDeleteShader(shader);
-  return gl_error(std::string("the driver refuses a shader: ") + log.data());
-}
-
-Result<GLuint> link(GLuint vertex, GLuint fragment) {
-  const GLuint program = glCreateProgram();
-  glAttachShader(program, vertex);
-  glAttachShader(program, fragment);
-  glLinkProgram(program);
-  GLint linked = GL_FALSE;
-  glGetProgramiv(program, GL_LINK_STATUS, &linked);
-  if (linked == GL_TRUE) return program;
-  std::array<char, 512> log{};
-  glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  glDeleteProgram(program);
-  return gl_error(std::string("the driver refuses the program: ") + log.data());
-}
-
-Result<GLuint> build_program() {
-  const auto vertex = compile(GL_VERTEX_SHADER, kVertexShader);
-  if (!vertex) return vertex;
-  const auto fragment = compile(GL_FRAGMENT_SHADER, kFragmentShader);
-  if (!fragment) {
-    glDeleteShader(*vertex);
-    return fragment;
-  }
-  auto program = link(*vertex, *fragment);
-  glDeleteShader(*vertex);  // the program keeps what it needs
-  glDeleteShader(*fragment);
-  return program;
-}
-
 GLuint make_texture() {
   GLuint name = 0;
   glGenTextures(1, &name);
@@ -115,7 +66,8 @@ GLuint make_texture() {
 
 Result<std::unique_ptr<PicturePass>> PicturePass::create() {
   if (epoxy_gl_version() < 33) return gl_error("the context is older than OpenGL 3.3");
-  const auto program = build_program();
+  const auto program = build_program(
+      {{GL_VERTEX_SHADER, kVertexShader}, {GL_FRAGMENT_SHADER, kFragmentShader}});
   if (!program) return base::forward(program);
   GLuint vertices = 0;
   glGenVertexArrays(1, &vertices);
