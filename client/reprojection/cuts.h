@@ -1,9 +1,8 @@
-// Where the mesh must not stretch: between a silhouette and what it hides. Internal to this room and
-// its twin, display/gl.
-// Two neighbouring cells hang together if the camera's offset moves them apart by less than cut_px,
-// or if they lie on one plane (or on two planes that meet between them), where stretching is what
-// the surface really does. 1/z is affine on planes in screen space, so its second differences tell;
-// no ids.
+// Where the mesh must not stretch: between a silhouette and what it hides. Internal to this room
+// and its twin, display/gl. Two neighbouring cells hang together if the camera's offset moves them
+// apart by less than cut_px, or if they lie on one plane (or on two planes that meet between them),
+// where stretching is what the surface really does. 1/z is affine on planes in screen space, so its
+// second differences tell; no ids.
 #pragma once
 
 #include "client/reprojection/mesh.h"

@@ -39,8 +39,7 @@ ErrorBound::ErrorBound(const SourceView& source, const DepthResidual& residual,
 
 DVec2 ErrorBound::place(int x, int y, double fx, double fy, double inverse_depth) const {
   const DVec2 tangent(source_.grid.tangent(x, y, static_cast<float>(fx), static_cast<float>(fy)));
-  const DVec3 point =
-      rotation_ * math::direction_from_tangent(tangent) + inverse_depth * offset_m_;
+  const DVec3 point = rotation_ * math::direction_from_tangent(tangent) + inverse_depth * offset_m_;
   if (!(point.z < 0.0)) return DVec2{std::numeric_limits<double>::quiet_NaN()};
   return (DVec2{point.x, -point.y} / -point.z - tangent_min_) * pixels_per_tangent_;
 }
@@ -75,27 +74,26 @@ double ErrorBound::parallax_px(const DVec3& point, double doubt) const {
 }
 
 double ErrorBound::at(int x, int y) const {
-  const auto inverse = static_cast<double>(
-      sound_inverse_depth(source_.inverse_depth_per_m(x, y)));
-  const DVec3 point =
-      rotation_ * math::direction_from_tangent(DVec2(source_.grid.tangent(x, y))) +
-      inverse * offset_m_;
+  const auto inverse = static_cast<double>(sound_inverse_depth(source_.inverse_depth_per_m(x, y)));
+  const DVec3 point = rotation_ * math::direction_from_tangent(DVec2(source_.grid.tangent(x, y))) +
+                      inverse * offset_m_;
   const double doubt = depth_doubt(x, y);
   const DVec2 centre = place(x, y, 0.5, 0.5, inverse);
   if (std::isnan(centre.x)) return kInfinity;
   double corner = 0.0, parallax = parallax_px(point, doubt);
   for (const DVec2 at : {DVec2{0, 0}, DVec2{1, 0}, DVec2{0, 1}, DVec2{1, 1}}) {
     corner = std::max(corner, glm::distance(place(x, y, at.x, at.y, inverse), centre));
-    const DVec3 there = rotation_ * math::direction_from_tangent(DVec2(source_.grid.tangent(
-                                        x, y, static_cast<float>(at.x), static_cast<float>(at.y)))) +
-                        inverse * offset_m_;
+    const DVec3 there =
+        rotation_ * math::direction_from_tangent(DVec2(source_.grid.tangent(
+                        x, y, static_cast<float>(at.x), static_cast<float>(at.y)))) +
+        inverse * offset_m_;
     parallax = std::max(parallax, parallax_px(there, doubt));
   }
   const double per_tangent = std::max(pixels_per_tangent_.x, pixels_per_tangent_.y);
   const double beyond_axis = 1.0 + glm::dot(DVec2(point), DVec2(point)) / (point.z * point.z);
-  const double pose = per_tangent * (doubt_.turn.value() * beyond_axis +
-                                     doubt_.position_m * inverse * std::sqrt(beyond_axis) /
-                                         -point.z);
+  const double pose =
+      per_tangent * (doubt_.turn.value() * beyond_axis +
+                     doubt_.position_m * inverse * std::sqrt(beyond_axis) / -point.z);
   return corner * (1.0 + 2.0 * kUneven_cells) + parallax + drawn_px_ + pose;
 }
 
@@ -107,8 +105,8 @@ ErrorBound::Summary ErrorBound::summarise() const {
   double all = 0.0;
   for (int y = kEvery / 2; y < source_.grid.height(); y += kEvery) {
     for (int x = kEvery / 2; x < source_.grid.width(); x += kEvery) {
-      const auto inverse = static_cast<double>(
-          sound_inverse_depth(source_.inverse_depth_per_m(x, y)));
+      const auto inverse =
+          static_cast<double>(sound_inverse_depth(source_.inverse_depth_per_m(x, y)));
       const DVec2 seen = place(x, y, 0.5, 0.5, inverse);
       if (!(seen.x >= 0.0 && seen.x <= display_.width_px && seen.y >= 0.0 &&
             seen.y <= display_.height_px)) {

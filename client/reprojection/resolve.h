@@ -19,8 +19,8 @@ FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
                        WarpOptions::Filter filter);
 
 /// Colours between cell centres; the grid's outermost cells go on beyond its edge; black where
-/// nothing is drawn. Rows from kSecondLayerRow on are those of the second layer. At a cell's centre the result is that cell's colour to the bit, whatever the
-/// filter.
+/// nothing is drawn. Rows from kSecondLayerRow on are those of the second layer. At a cell's centre
+/// the result is that cell's colour to the bit, whatever the filter.
 class Resolver {
  public:
   Resolver(const SourceView& source, const foveation::Display& display, WarpOptions::Filter filter);

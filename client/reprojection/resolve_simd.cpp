@@ -353,8 +353,8 @@ HWY_INLINE HWY_ATTR void resolve_bilinear(const Resolving& r, const Places& plac
   const Doubles d32;
   alignas(64) std::uint8_t rows[kGroup][16];
   for (int i = 0; i < kGroup; ++i) {
-    copy_two_rows(places.plane(r, static_cast<std::size_t>(i)), places.column[i],
-                  places.row[i], rows[i]);
+    copy_two_rows(places.plane(r, static_cast<std::size_t>(i)), places.column[i], places.row[i],
+                  rows[i]);
   }
   alignas(64) std::uint64_t words[kGroup][2];
   constexpr int kPixels = kLanes / 4;  // in a vector

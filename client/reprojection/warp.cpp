@@ -155,8 +155,7 @@ class MeshDrawing {
   }
 
   void draw_singles(int row, Fragments& out) {
-    CellBits whole =
-        single_[row] & wanted_.bits(patch_.column, patch_.row + row, patch_.columns);
+    CellBits whole = single_[row] & wanted_.bits(patch_.column, patch_.row + row, patch_.columns);
     CellBits steps = cells_with_steps(patch_, row, cuts_.harmless_difference()) & whole;
     for (; steps != 0; steps &= steps - 1) {
       const int column = std::countr_zero(steps);

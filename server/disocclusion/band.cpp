@@ -22,7 +22,7 @@ float half_cell(const PixelGrid& grid, int x, int y, double radius_m) {
 /// What a near cell beside a silhouette uncovers at most.
 struct Disc {
   int x, y;
-  float reach;         ///< on the tangent plane
+  float reach;        ///< on the tangent plane
   float far_inverse;  ///< the far side's inverse depth, 1/m
 };
 
@@ -34,8 +34,8 @@ void add_discs(const image::Plane<float>& depth_m, const PixelGrid& grid, double
   const auto below = depth_m.row(std::min(y + 1, depth_m.height() - 1));
   const int last = depth_m.width() - 1;
   for (int x = 0; x <= last; ++x) {
-    const float farthest = std::max({row[std::max(x - 1, 0)], row[std::min(x + 1, last)], above[x],
-                                     below[x]});
+    const float farthest =
+        std::max({row[std::max(x - 1, 0)], row[std::min(x + 1, last)], above[x], below[x]});
     if (!(farthest > row[x])) continue;  // nothing is farther, or nothing is here
     const float near = inverse_of(row[x]), far = inverse_of(farthest);
     const float least = half_cell(grid, x, y, radius_m);

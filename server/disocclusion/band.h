@@ -22,8 +22,8 @@ void find_band(const image::Plane<float>& depth_m, const PixelGrid& grid, double
                scheduling::TileScheduler& scheduler, Band& out);
 
 /// The inverse depth (1/m) in front of which a surface of inverse depth `near` at cell (x, y) lies
-/// by half a cell's parallax: what may come into sight lies beyond. 0: only infinity does; negative:
-/// nothing does.
+/// by half a cell's parallax: what may come into sight lies beyond. 0: only infinity does;
+/// negative: nothing does.
 float far_limit(const PixelGrid& grid, int x, int y, float near, double radius_m);
 
 }  // namespace macula::disocclusion

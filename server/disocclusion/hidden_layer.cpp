@@ -83,8 +83,8 @@ class Tracer {
  private:
   void aim(const Pixel& cell, visibility::RayStream& rays) const {
     const float depth_m = request_.depth_m(cell.x, cell.y);
-    const float limit = far_limit(request_.view.grid, cell.x, cell.y, 1.0F / depth_m,
-                                  request_.view_cell_m);
+    const float limit =
+        far_limit(request_.view.grid, cell.x, cell.y, 1.0F / depth_m, request_.view_cell_m);
     constexpr float kFar = std::numeric_limits<float>::infinity();
     const Vec3 direction = world_from_view_ * request_.view.grid.ray(cell.x, cell.y);
     const Vec3 origin(request_.view.world_from_view.position);
@@ -107,8 +107,7 @@ class Tracer {
     SurfacePoint& point = points_[index];
     point.position = scene_.surface(hit, place).position;
     point.to_eye = -glm::normalize(direction);
-    point.geometric_normal =
-        glm::dot(hit.normal, point.to_eye) < 0.0F ? -hit.normal : hit.normal;
+    point.geometric_normal = glm::dot(hit.normal, point.to_eye) < 0.0F ? -hit.normal : hit.normal;
     point.instance = hit.instance, point.triangle = hit.triangle;
     point.barycentric = {hit.u, hit.v};
     point.footprint_m = hit.t * side(cell, direction);

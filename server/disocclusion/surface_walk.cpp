@@ -42,7 +42,8 @@ void walk_surfaces(const visibility::TriangleScene& triangles, HiddenSights& sig
     bool any = false;
     for (int i = 0; i < rays.count; ++i) {
       if (!(rays.tnear[i] <= rays.tfar[i])) continue;  // has ended
-      const bool inside = found.hit(i) && fronts.hit(i) && found.instance[i] == fronts.instance[i] &&
+      const bool inside = found.hit(i) && fronts.hit(i) &&
+                          found.instance[i] == fronts.instance[i] &&
                           (facing(rays, found, i) > 0.0F) != (facing(rays, fronts, i) > 0.0F);
       if (inside) {
         rays.tnear[i] = just_beyond(found.t[i]);

@@ -1,6 +1,6 @@
-// The second layer of a picture <-> bytes: which cells it has (band_mask), their colours as an atlas
-// of tiles in the first layer's own lossy or lossless codec, and their inverse depth, one sample
-// for 4 x 4 cells. What decoding gives is unspecified outside the mask. Thread-safe.
+// The second layer of a picture <-> bytes: which cells it has (band_mask), their colours as an
+// atlas of tiles in the first layer's own lossy or lossless codec, and their inverse depth, one
+// sample for 4 x 4 cells. What decoding gives is unspecified outside the mask. Thread-safe.
 #pragma once
 
 #include "shared/codec/band_mask.h"
@@ -11,8 +11,8 @@ namespace macula::codec {
 
 inline constexpr int kHiddenDepthDivisor = 4;
 
-/// Of JPEG, where the first layer has `quality`: the second one is seen for a moment and beside what
-/// the eye looks at.
+/// Of JPEG, where the first layer has `quality`: the second one is seen for a moment and beside
+/// what the eye looks at.
 constexpr int hidden_jpeg_quality(int quality) {
   return quality > 25 ? quality - 15 : 10;
 }

@@ -58,9 +58,9 @@ class Tiles {
   int columns_ = 0;                   ///< of tiles in the atlas
 };
 
-/// In an atlas: cells outside its mask, packed alike, take the value of the nearest one inside it to
-/// their left or right within their tile, then of the row above or below: nothing breaks within a
-/// tile, which lossy codecs like.
+/// In an atlas: cells outside its mask, packed alike, take the value of the nearest one inside it
+/// to their left or right within their tile, then of the row above or below: nothing breaks within
+/// a tile, which lossy codecs like.
 template <class T>
 void fill_tiles(Mask mask, image::Plane<T>& atlas) {
   constexpr int kSide = Tiles::kSide;

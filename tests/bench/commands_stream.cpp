@@ -26,8 +26,9 @@ Run declare_reprojection(CLI::App& command, Pace pace) {
       ->option_text("MS,... (0,20,50,100,150,200)");
   command.add_option("--methods", options->methods, "What to measure")
       ->delimiter(',')
-      ->check(CLI::IsMember({"stale", "rotation", "rotation_guard", "mesh", "mesh_cut",
-                             "mesh_cut_splat", "grid", "predicted", "layered", "layered_predicted"}))
+      ->check(
+          CLI::IsMember({"stale", "rotation", "rotation_guard", "mesh", "mesh_cut",
+                         "mesh_cut_splat", "grid", "predicted", "layered", "layered_predicted"}))
       ->option_text(
           "stale,rotation,rotation_guard,mesh,mesh_cut,mesh_cut_splat,grid,predicted,layered,"
           "layered_predicted (all)");

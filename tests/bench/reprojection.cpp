@@ -29,7 +29,7 @@ using base::forward;
 using reprojection::WarpOptions;
 
 constexpr Degrees kView{60.0}, kGuard{12.0};
-constexpr double kViewCell_m = 0.05;         // that the second layer is made for
+constexpr double kViewCell_m = 0.05;        // that the second layer is made for
 constexpr double kSamplesPerSecond = 72.0;  // of the head, that prediction sees
 
 foveation::Display display_of(int side_px) {
@@ -243,8 +243,8 @@ ErrorShares error_shares(const image::Plane<Rgb8>& shown,
 
 /// What the poses of one row gave.
 struct Samples {
-  std::vector<double> psnr_db, f10_psnr_db, bound_p95_px, true_p95_px, violations, bytes, hidden_bytes_pct,
-      gp_psnr_db, flip, holes_pct, outside_pct, error_filled_pct,
+  std::vector<double> psnr_db, f10_psnr_db, bound_p95_px, true_p95_px, violations, bytes,
+      hidden_bytes_pct, gp_psnr_db, flip, holes_pct, outside_pct, error_filled_pct,
       error_silhouette_pct, hidden_cells_pct, hidden_cpu_pct, cpu_ms, turn_deg, offset_cm;
 };
 
@@ -255,8 +255,8 @@ void add_sample(const SourcePicture& source, const SourcePicture& expected,
   Stopwatch watch;
   WarpOptions options = method.options;
   options.layers = method.layered ? WarpOptions::Layers::Both : WarpOptions::Layers::First;
-  const auto report = warper.warp(source.view(), expected.stage_from_view, display, options, shown,
-                                  &coverage);
+  const auto report =
+      warper.warp(source.view(), expected.stage_from_view, display, options, shown, &coverage);
   samples.cpu_ms.push_back(watch.lap().cpu_ms);
   const auto reference = metrics::unit_from_8bit(expected.color);
   const auto test = metrics::unit_from_8bit(shown);
@@ -290,8 +290,8 @@ BoundCheck check_bound(const SourcePicture& source, const image::Plane<float>& f
                        const Pose& to, const foveation::Display& display,
                        const WarpOptions& options) {
   const reprojection::SourceView view = source.view();
-  const reprojection::ErrorBound bound(
-      view, {source.depth_residual, source.residual_step_per_m}, to, display, options);
+  const reprojection::ErrorBound bound(view, {source.depth_residual, source.residual_step_per_m},
+                                       to, display, options);
   BoundCheck check;
   std::vector<double> bounds, errors;
   constexpr int kPoints = 3;
@@ -445,9 +445,8 @@ class SceneRun {
     return options_.methods.empty() || std::ranges::count(options_.methods, method.name) > 0;
   }
   bool is_known(const RowKey& key) const {
-    return std::ranges::any_of(report_.rows, [&](const Fields& fields) {
-      return is_row_of(fields, key, options_);
-    });
+    return std::ranges::any_of(
+        report_.rows, [&](const Fields& fields) { return is_row_of(fields, key, options_); });
   }
 
   /// The picture at the very pose of a moment; and what the filter alone can do there.
@@ -458,8 +457,8 @@ class SceneRun {
     const SourcePicture& expected =
         expected_.emplace(now_s, setting_.render(pose, raster_)).first->second;
     Samples ceiling;
-    add_sample(setting_.render(pose, shifted(guarded_)), expected, display_, method_named("mesh_cut_splat"),
-               warper_, shown_, ceiling);
+    add_sample(setting_.render(pose, shifted(guarded_)), expected, display_,
+               method_named("mesh_cut_splat"), warper_, shown_, ceiling);
     ceilings_db_.push_back(ceiling.psnr_db.front());
     return expected;
   }
@@ -496,7 +495,7 @@ class SceneRun {
   }
 
   Result<void> measure(double now_s, double latency_ms, const std::vector<RowKey>& rows,
-               std::map<std::string, Samples>& samples) {
+                       std::map<std::string, Samples>& samples) {
     const SourcePicture& expected = expected_at(now_s);
     const Pose stage = head_.stage_from_trace(now_s);
     const double then_s = now_s - 1e-3 * latency_ms;

@@ -14,12 +14,12 @@
 // Methods, each more than the one before: stale, rotation (without a guard band), rotation_guard,
 // mesh (stretched over silhouettes), mesh_cut, mesh_cut_splat, predicted (mesh_cut_splat of a frame
 // rendered at the pose that pose::Predictor foretold at 72 samples a second), layered
-// (mesh_cut_splat with the second layer of a view cell of 5 cm) and layered_predicted; and grid, the
-// cheaper mesh_cut_splat of slow machines. Columns of the second layer, of bytes and of the bound are
-// there for the layered ones: hidden_* are the layer's shares of the frame's bytes, cells and
-// rendering time; bound_p95_px is reprojection::ErrorBound over the cells in sight, true_p95_px how
-// far nine points of each cell, hit by rays of their own, lie from where the warp shows them, and
-// violations the most of them in one pose that lie beyond their bound.
+// (mesh_cut_splat with the second layer of a view cell of 5 cm) and layered_predicted; and grid,
+// the cheaper mesh_cut_splat of slow machines. Columns of the second layer, of bytes and of the
+// bound are there for the layered ones: hidden_* are the layer's shares of the frame's bytes, cells
+// and rendering time; bound_p95_px is reprojection::ErrorBound over the cells in sight, true_p95_px
+// how far nine points of each cell, hit by rays of their own, lie from where the warp shows them,
+// and violations the most of them in one pose that lie beyond their bound.
 #pragma once
 
 #include <string>
@@ -38,11 +38,11 @@ struct ReprojectionOptions {
   std::string material = "lambert";
   std::string codec = "none";  ///< "default": frames are coded and decoded as the server does
   bool foveated = false;       ///< frames lie on the server's own grid, gaze straight ahead
-  int side_px = 600;     ///< of the square display
-  int poses = 10;        ///< of a row
-  int threads = 0;       ///< of the renderer
-  std::string pictures;  ///< folder: pictures of the last pose, and of their errors
-  std::string json;      ///< rows it holds already are kept
+  int side_px = 600;           ///< of the square display
+  int poses = 10;              ///< of a row
+  int threads = 0;             ///< of the renderer
+  std::string pictures;        ///< folder: pictures of the last pose, and of their errors
+  std::string json;            ///< rows it holds already are kept
 };
 /// Two scenes, latencies 0, 50 and 100 ms, source scale 1, three poses.
 void make_quick(ReprojectionOptions& options);

@@ -57,7 +57,8 @@ Result<void> code_hidden(SourcePicture& picture) {
                                                 inverse_of(behind.inverse_depth_per_m), options);
   if (!bytes) return forward(bytes);
   image::Plane<Rgb8> color(atlas.width, atlas.height);
-  if (auto done = codec::decode_color(bytes->color, options.codec, atlas, color); !done) return done;
+  if (auto done = codec::decode_color(bytes->color, options.codec, atlas, color); !done)
+    return done;
   codec::unpack_atlas(behind.mask, color, behind.color);
   picture.hidden_bytes = bytes->bytes();
   return codec::decode_depth(bytes->depth.bytes, bytes->depth.inverse_scale_per_m,
@@ -87,15 +88,15 @@ Result<SourcePicture> coded(const SourcePicture& picture) {
   SourcePicture result = picture;
   const auto color = codec::encode_color(picture.color, picture.color.rect(), {});
   if (!color) return forward(color);
-  if (auto done = codec::decode_color(*color, codec::ColorCodec::Jpeg, picture.color.rect(),
-                                      result.color);
+  if (auto done =
+          codec::decode_color(*color, codec::ColorCodec::Jpeg, picture.color.rect(), result.color);
       !done) {
     return forward(done);
   }
   auto depth = codec::encode_depth(inverse_of(picture.inverse_depth_per_m));
   if (!depth) return forward(depth);
-  if (auto done = codec::decode_depth(depth->bytes, depth->inverse_scale_per_m,
-                                      result.inverse_depth_per_m);
+  if (auto done =
+          codec::decode_depth(depth->bytes, depth->inverse_scale_per_m, result.inverse_depth_per_m);
       !done) {
     return forward(done);
   }

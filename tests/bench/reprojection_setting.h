@@ -22,9 +22,9 @@ struct SourcePicture {
   PixelGrid grid;
   image::Plane<Rgb8> color;
   image::Plane<float> inverse_depth_per_m;
-  std::optional<codec::HiddenLayerPlanes> behind{};  ///< the second layer
+  std::optional<codec::HiddenLayerPlanes> behind{};     ///< the second layer
   std::optional<reprojection::HiddenPicture> hidden{};  ///< the same, as the warp draws it
-  std::size_t bytes = 0, hidden_bytes = 0;   ///< of the frame and of its second layer; 0: not coded
+  std::size_t bytes = 0, hidden_bytes = 0;  ///< of the frame and of its second layer; 0: not coded
   std::vector<std::uint8_t> depth_residual{};  ///< per 8x8 cells; empty: depth is exact
   float residual_step_per_m = 0.0F;
   double cpu_ms = 0.0, hidden_cpu_ms = 0.0;  ///< of rendering each layer, over all threads
@@ -34,8 +34,8 @@ struct SourcePicture {
   }
 };
 
-/// The picture as a client gets it: JPEG of the default quality, inverse depth, and the second layer
-/// as the server codes it. Errors: the codecs'.
+/// The picture as a client gets it: JPEG of the default quality, inverse depth, and the second
+/// layer as the server codes it. Errors: the codecs'.
 Result<SourcePicture> coded(const SourcePicture& picture);
 
 /// The display's raster with cells of 1 / `scale` of a pixel, going on for `guard` on every side
@@ -59,8 +59,8 @@ class ReprojectionSetting {
 
  private:
   ReprojectionSetting() = default;
-  void add_hidden(const kernels::View& view, const image::Plane<float>& depth_m,
-                  double view_cell_m, SourcePicture& picture);
+  void add_hidden(const kernels::View& view, const image::Plane<float>& depth_m, double view_cell_m,
+                  SourcePicture& picture);
 
   std::shared_ptr<const kernels::SceneFrame> frame_;
   std::unique_ptr<kernels::Kernel> kernel_;

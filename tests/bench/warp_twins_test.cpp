@@ -75,9 +75,8 @@ class WarpTwins : public testing::TestWithParam<const char*> {
     if (sources().contains(GetParam())) return;
     auto setting = ReprojectionSetting::create(GetParam(), "lambert", 0);
     ASSERT_TRUE(setting) << setting.error().message();
-    sources().emplace(GetParam(),
-                      setting->render(setting->stage_from_camera(),
-                                      guarded_raster(kDisplay, Degrees{8.0}), 0.05));
+    sources().emplace(GetParam(), setting->render(setting->stage_from_camera(),
+                                                  guarded_raster(kDisplay, Degrees{8.0}), 0.05));
   }
   static std::map<std::string, SourcePicture>& sources() {
     static std::map<std::string, SourcePicture> rendered;
@@ -121,13 +120,12 @@ TEST_P(WarpTwins, ShowTheSamePictureWithEveryStageOn) {
 }
 
 TEST_P(WarpTwins, ShowTheSamePictureWithStagesSwitched) {
-  for (const WarpOptions& options :
-       {WarpOptions{.method = WarpOptions::Method::RotationOnly},
-        WarpOptions{.silhouettes = WarpOptions::Silhouettes::Stretch},
-        WarpOptions{.silhouettes = WarpOptions::Silhouettes::Cut,
-                    .layers = WarpOptions::Layers::First,
-                    .holes = WarpOptions::Holes::LeaveBlack},
-        WarpOptions{.filter = WarpOptions::Filter::Bilinear}}) {
+  for (const WarpOptions& options : {WarpOptions{.method = WarpOptions::Method::RotationOnly},
+                                     WarpOptions{.silhouettes = WarpOptions::Silhouettes::Stretch},
+                                     WarpOptions{.silhouettes = WarpOptions::Silhouettes::Cut,
+                                     .layers = WarpOptions::Layers::First,
+                                     .holes = WarpOptions::Holes::LeaveBlack},
+                                     WarpOptions{.filter = WarpOptions::Filter::Bilinear}}) {
     EXPECT_GE(twins(options, moved()).psnr_db, 45.0);
   }
 }

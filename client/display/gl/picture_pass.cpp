@@ -66,8 +66,8 @@ GLuint make_texture() {
 
 Result<std::unique_ptr<PicturePass>> PicturePass::create() {
   if (epoxy_gl_version() < 33) return gl_error("the context is older than OpenGL 3.3");
-  const auto program = build_program(
-      {{GL_VERTEX_SHADER, kVertexShader}, {GL_FRAGMENT_SHADER, kFragmentShader}});
+  const auto program =
+      build_program({{GL_VERTEX_SHADER, kVertexShader}, {GL_FRAGMENT_SHADER, kFragmentShader}});
   if (!program) return base::forward(program);
   GLuint vertices = 0;
   glGenVertexArrays(1, &vertices);

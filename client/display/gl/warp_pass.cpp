@@ -220,9 +220,9 @@ WarpReport WarpPass::read_back(image::Plane<Rgb8>& out, image::Plane<Coverage>* 
   for (std::size_t i = 0; i < out.size(); ++i) {
     const std::uint8_t* const texel = texels.data() + 4 * i;
     out.data()[i] = {texel[0], texel[1], texel[2]};
-    const Coverage kind = texel[3] == 255   ? Coverage::Covered
+    const Coverage kind = texel[3] == 255 ? Coverage::Covered
                           : texel[3] == 0 ? Coverage::Outside
-                                            : Coverage::Filled;
+                                          : Coverage::Filled;
     ++(kind == Coverage::Covered   ? report.covered_px
        : kind == Coverage::Outside ? report.outside_px
                                    : report.filled_px);
@@ -248,8 +248,8 @@ WarpReport WarpPass::warp(const Pose& stage_from_display, const foveation::Displ
   set_mesh_uniforms(stage_from_display, display, options);
   const auto relative =
       reprojection::relative_view(stage_from_view_, stage_from_display, options.method);
-  const bool both = has_hidden_ && options.layers == WarpOptions::Layers::Both &&
-                    relative.offset_m != DVec3{0.0};
+  const bool both =
+      has_hidden_ && options.layers == WarpOptions::Layers::Both && relative.offset_m != DVec3{0.0};
   if (both) draw_layer(hidden_, reprojection::kSecondLayerRow, display);
   draw_layer(seen_, 0, display);
   resolve(display, options);

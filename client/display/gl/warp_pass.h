@@ -1,8 +1,8 @@
-// WarpPass: the warp of client/reprojection on OpenGL 3.3, stage by stage the same: the grid's cells
-// as a mesh, cut at silhouettes by the eye's actual offset, the second layer, holes filled from the
-// farther side. The CPU's warp is the reference; what it draws as blocks is drawn cell by cell here,
-// which moves nothing by more than WarpOptions::detail_px. Every call needs the context it was
-// created in to be current.
+// WarpPass: the warp of client/reprojection on OpenGL 3.3, stage by stage the same: the grid's
+// cells as a mesh, cut at silhouettes by the eye's actual offset, the second layer, holes filled
+// from the farther side. The CPU's warp is the reference; what it draws as blocks is drawn cell by
+// cell here, which moves nothing by more than WarpOptions::detail_px. Every call needs the context
+// it was created in to be current.
 #pragma once
 
 #include <array>

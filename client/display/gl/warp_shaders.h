@@ -1,6 +1,6 @@
 // The shaders of WarpPass, stage by stage what client/reprojection does on the CPU: mesh.cpp
-// (project), cuts.cpp (joints, quarters), holes.cpp (fills), resolve_simd.cpp (filters). Internal to
-// this room.
+// (project), cuts.cpp (joints, quarters), holes.cpp (fills), resolve_simd.cpp (filters). Internal
+// to this room.
 #pragma once
 
 namespace macula::display {

@@ -45,8 +45,7 @@ int points_beyond(const AnalyticScene& scene, const StatedFrame& stated, double 
         const DVec2 tangent(
             view.grid.tangent(x, y, static_cast<float>(fx), static_cast<float>(fy)));
         const Sight sight = scene({}, math::direction_from_tangent(tangent));
-        const double error =
-            glm::distance(bound.place(x, y, fx, fy, 1.0 / sight.t), shown);
+        const double error = glm::distance(bound.place(x, y, fx, fy, 1.0 / sight.t), shown);
         if (error > share * bound.at(x, y)) ++beyond;
       }
     }
@@ -74,7 +73,8 @@ TEST(ErrorBound, IsNotWideByAFactorOfTwo) {
 TEST(ErrorBound, NeedsTheResidual) {
   const auto wall = textured_plane({0, 0, 1}, -1.0, 1.0);
   StatedFrame silent = stated_frame(wall, 0.0F);
-  for (float& inverse : silent.frame.inverse_depth.pixels()) inverse += 0.5F;  // all alike: no steps
+  for (float& inverse : silent.frame.inverse_depth.pixels())
+    inverse += 0.5F;  // all alike: no steps
   EXPECT_GT(points_beyond(wall, silent, 1.0), 1000);
 }
 

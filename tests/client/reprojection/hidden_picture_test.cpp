@@ -37,8 +37,8 @@ LayeredFrame layered_frame(const PixelGrid& grid, int reach) {
       if (grid.tangent(x, y).x < 0.0F && grid.tangent(x + reach, y).x >= 0.0F) band(x, y) = 1;
     }
   }
-  HiddenPicture hidden = make_hidden_picture(frame.color, frame.inverse_depth, band, wall.color,
-                                             wall.inverse_depth);
+  HiddenPicture hidden =
+      make_hidden_picture(frame.color, frame.inverse_depth, band, wall.color, wall.inverse_depth);
   return {std::move(frame), std::move(hidden)};
 }
 
@@ -51,8 +51,7 @@ Shown step_right(WarpOptions::Layers layers) {
   const foveation::Display display = square_display(160);
   const LayeredFrame source = layered_frame(grid_with_margin(display, 20), 12);
   const Pose pose{{0.05, 0.0, 0.0}, DQuat{1, 0, 0, 0}};
-  const Frame expected =
-      draw(board_before_waves, foveation::make_uniform_grid(display), pose, 3);
+  const Frame expected = draw(board_before_waves, foveation::make_uniform_grid(display), pose, 3);
   WarpOptions options;
   options.layers = WarpOptions::Layers::First;
   image::Plane<Rgb8> shown;
@@ -61,9 +60,8 @@ Shown step_right(WarpOptions::Layers layers) {
   options.layers = layers;
   Shown result;
   result.report = warp(source.view(), pose, display, options, shown);
-  result.psnr_db = psnr_db(shown, expected.color, [&](int x, int y) {
-    return uncovered(x, y) == Coverage::Filled;
-  });
+  result.psnr_db = psnr_db(shown, expected.color,
+                           [&](int x, int y) { return uncovered(x, y) == Coverage::Filled; });
   return result;
 }
 

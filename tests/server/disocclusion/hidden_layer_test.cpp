@@ -163,11 +163,10 @@ TEST(HiddenLayer, HasTheWallThoughItIsOfTheSameObject) {
   }
   scene.instances.resize(1);
   const Traced traced = trace(*test::frame_of(std::move(scene)), "ray");
-  EXPECT_GT(for_each_hidden(traced.layer,
-                            [&](int x, int y) {
-                              EXPECT_NEAR(traced.layer.depth_m(x, y), 4.0F, 1e-5F);
-                            }),
-            50);
+  EXPECT_GT(
+      for_each_hidden(traced.layer,
+                      [&](int x, int y) { EXPECT_NEAR(traced.layer.depth_m(x, y), 4.0F, 1e-5F); }),
+      50);
 }
 
 TEST(HiddenLayer, HasTheSkyBehindWhatStandsAlone) {

@@ -37,7 +37,8 @@ bool same(const Plane<T>& a, const Plane<T>& b) {
 }
 
 TEST(BandMask, ComesBackToTheBitAtAnySize) {
-  for (const auto& mask : {ring(200, 150, 60, 7), noise(37, 5), noise(1, 1), Mask(9, 9), Mask(8, 3, 1)}) {
+  for (const auto& mask :
+       {ring(200, 150, 60, 7), noise(37, 5), noise(1, 1), Mask(9, 9), Mask(8, 3, 1)}) {
     Mask back(mask.width(), mask.height());
     ASSERT_TRUE(decode_mask(encode_mask(mask), back));
     EXPECT_TRUE(same(mask, back)) << mask.width() << " x " << mask.height();
@@ -52,9 +53,10 @@ TEST(BandMask, RefusesDamageAndOtherSizes) {
   const auto bytes = encode_mask(ring(100, 80, 30, 5));
   Mask back(100, 80), other(80, 100);
   EXPECT_FALSE(decode_mask(bytes, other));
-  EXPECT_EQ(truncate_everywhere(bytes, [&](auto some) { return decode_mask(some, back).has_value(); })
-                .accepted,
-            0);
+  EXPECT_EQ(
+      truncate_everywhere(bytes, [&](auto some) { return decode_mask(some, back).has_value(); })
+          .accepted,
+      0);
 }
 
 TEST(Tiles, PackTheTilesOfAMaskAndNoOthers) {
