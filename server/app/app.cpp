@@ -1,5 +1,6 @@
 #include "server/app/app.h"
 
+#include <ctime>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -16,6 +17,7 @@
 #include "server/session/recording.h"
 #include "server/session/server.h"
 #include "shared/base/log.h"
+#include "shared/base/resident.h"
 #include "shared/base/text.h"
 #include "shared/math/hash.h"
 #include "shared/net/keys.h"
@@ -190,11 +192,20 @@ void print_reach(const std::string& endpoint, const std::string& key_folder) {
             << key_folder << "' beside this server, then 'macula-client pair' there\n";
 }
 
+/// What the scene has cost so far: reading it, and building what the plan asks for.
+void print_cost() {
+  std::cout << std::fixed << std::setprecision(1) << "scene ready after "
+            << static_cast<double>(std::clock()) / CLOCKS_PER_SEC << " s of processor time, "
+            << 1e-6 * static_cast<double>(base::resident_bytes()) << " MB resident\n"
+            << std::defaultfloat;
+}
+
 void serve(session::Server& server, const exporter::Exporter* exporter, const Options& options,
            StopSignal& stop) {
   constexpr std::chrono::seconds kReport{5};
   server.start();
   stop.serving();
+  print_cost();
   if (exporter) std::cout << "metrics on port " << exporter->port() << "\n";
   print_reach(server.endpoint(), options.keys);
   std::cout << "ready on " << server.endpoint() << " public key " << server.public_key_z85()

@@ -106,6 +106,14 @@ Verdict light_tree(const SceneFacts& facts, const Wishes& wishes) {
   return {true, light_count(facts)};
 }
 
+Verdict virtual_lights(const SceneFacts& facts, const Wishes& wishes) {
+  if (facts.lights + facts.emissive_triangles == 0) return {false, "no lights"};
+  if (!wishes.kernel.empty() && wishes.kernel != "culling") {
+    return {false, base::concat("kernel '", wishes.kernel, "' makes none")};
+  }
+  return {true, "light that surfaces have reflected once"};
+}
+
 struct StepRule {
   Step step;
   std::string_view name;
@@ -142,6 +150,7 @@ constexpr std::array kSteps{
                              "no emissive triangles");
              }},
     StepRule{Step::LightTree, "light tree", light_tree},
+    StepRule{Step::VirtualLights, "virtual point lights", virtual_lights},
     StepRule{Step::Ambient, "ambient occlusion", ambient},
     StepRule{Step::Environment, "environment table and sampling", environment},
     StepRule{Step::DistanceField, "distance-field tracer",

@@ -50,6 +50,7 @@ enum class Step {
   PunctualLights,
   AreaLights,
   LightTree,
+  VirtualLights,
   Ambient,
   Environment,
   DistanceField,

@@ -1,16 +1,14 @@
 #include "tests/bench/contact_sheet.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "server/scene/load.h"
+#include "shared/base/resident.h"
 #include "shared/image/draw.h"
 #include "shared/image/lettering.h"
 #include "shared/image/png.h"
@@ -30,14 +28,6 @@ std::vector<std::string> scenes_of(const ContactSheetOptions& options) {
   std::vector<std::string> names;
   for (const scene::BuiltIn& entry : scene::built_in_scenes()) names.emplace_back(entry.name);
   return names;
-}
-
-/// Of this process, now.
-double resident_mb() {
-  std::ifstream statm("/proc/self/statm");
-  double pages = 0.0, resident = 0.0;
-  statm >> pages >> resident;
-  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
 /// One ray through the centre of every cell, in tiles of 4 x 4 as kernels send them, until at least
@@ -135,7 +125,7 @@ Result<Entry> make_entry(const ContactSheetOptions& options, const std::string& 
   const StillOptions still = still_options(options, scene);
   const auto job = prepare_still(still);
   if (!job) return forward(job);
-  const double resident = resident_mb();
+  const double resident = 1e-6 * static_cast<double>(base::resident_bytes());
   const auto rendered = render_still(*job, still);
   if (!rendered) return forward(rendered);
   Entry entry;

@@ -130,6 +130,7 @@ image::Plane<Rgb> picture(const ScenePointer& scene, const ScenePlan& plan, cons
   kernels::KernelOptions options;
   options.mode = kernels::Mode::Exact;
   options.area_light_samples = options.ambient_samples = 2;
+  if (kernel == std::string("culling")) options.bounces = 1;
   kernels::View view = test::view_on(foveation::make_uniform_grid(test::display(40)));
   if (scene->settings.scene_from_stage.position != DVec3{0.0}) {
     view.world_from_view = scene->settings.scene_from_stage;
@@ -151,7 +152,7 @@ class PlannedScene : public testing::TestWithParam<Shown> {};
 
 TEST_P(PlannedScene, AStepThatIsLeftOutChangesNothingWhenForced) {
   const ScenePointer scene = GetParam().make();
-  std::vector<const char*> kernels{"ray", "lightcuts"};
+  std::vector<const char*> kernels{"ray", "lightcuts", "culling"};
   if (scene->triangle_count() < 10'000) kernels.push_back("brute");
   for (const char* kernel : kernels) {
     const ScenePlan plan(scene::facts_of(*scene), {.kernel = kernel});
@@ -169,7 +170,7 @@ INSTANTIATE_TEST_SUITE_P(Each, PlannedScene, testing::ValuesIn(kScenes),
 TEST(PlannedStep, TakenAwayChangesAPictureThatNeedsIt) {
   // Must-fail twin: were the plan not what drives the frame, these would be equal too.
   const ScenePointer scene = shared(everything());
-  for (const char* kernel : {"ray", "lightcuts", "brute"}) {
+  for (const char* kernel : {"ray", "lightcuts", "culling", "brute"}) {
     const ScenePlan plan(scene::facts_of(*scene), {.kernel = kernel});
     const auto planned = picture(scene, plan, kernel);
     int used = 0;
@@ -179,7 +180,8 @@ TEST(PlannedStep, TakenAwayChangesAPictureThatNeedsIt) {
       const auto without = picture(scene, plan.without(step.step), kernel);
       EXPECT_GT(largest_difference(planned, without), 1e-3) << kernel << ": " << step.name;
     }
-    EXPECT_EQ(used, kernel == std::string("lightcuts") ? 9 : 8);
+    const bool has_its_own = kernel == std::string("lightcuts") || kernel == std::string("culling");
+    EXPECT_EQ(used, has_its_own ? 9 : 8);
   }
 }
 

@@ -132,6 +132,10 @@ std::vector<std::string> shortcuts(const SceneFrame& scene, const Config& config
   return taken;
 }
 
+bool follows_light(const Config& config, const SceneFrame& scene) {
+  return config.indirect && scene.plan().has(scene::Step::VirtualLights);
+}
+
 }  // namespace
 
 Config make_config(const KernelOptions& options) {
@@ -144,7 +148,7 @@ Config make_config(const KernelOptions& options) {
 FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame& scene,
                                   History& history, TileScheduler& scheduler,
                                   FrameBuffers& out) const {
-  if (!config_.indirect)
+  if (!follows_light(config_, scene))
     return ray::RayKernel(config_.ray).render(request, scene, history, scheduler, out);
   const bool exact = config_.ray.mode == Mode::Exact;
   CullingHistory forgotten;
@@ -176,7 +180,7 @@ FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame&
 void CullingKernel::shade(std::span<const SurfacePoint> points, const SceneFrame& scene,
                           TileScheduler& scheduler, std::span<Rgb> out) const {
   KeptLights all;
-  if (config_.indirect) all = all_lights(scene, config_, 0, scheduler);
+  if (follows_light(config_, scene)) all = all_lights(scene, config_, 0, scheduler);
   const LightSetup setup(config_, all);
   ray::RayKernel(setup.lit()).shade(points, scene, scheduler, out);
 }

@@ -80,6 +80,8 @@ TEST(ScenePlan, AStepIsUsedExactlyWhenTheSceneNeedsIt) {
   EXPECT_TRUE(has(Step::LightTree));
   EXPECT_TRUE(ScenePlan(facts, {.kernel = "lightcuts"}).has(Step::LightTree));
   EXPECT_FALSE(ScenePlan(facts, {.kernel = "ray"}).has(Step::LightTree));
+  EXPECT_TRUE(ScenePlan(facts, {.kernel = "culling"}).has(Step::VirtualLights));
+  EXPECT_FALSE(ScenePlan(facts, {.kernel = "lightcuts"}).has(Step::VirtualLights));
   EXPECT_FALSE(has(Step::Ambient));
   facts.has_ambient = true;
   EXPECT_TRUE(has(Step::Ambient));

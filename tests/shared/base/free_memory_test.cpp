@@ -1,19 +1,17 @@
 #include "shared/base/free_memory.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <memory>
 #include <vector>
+
+#include "shared/base/resident.h"
 
 namespace macula::base {
 namespace {
 
 double resident_mb() {
-  double total_pages = 0.0, resident_pages = 0.0;
-  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
-  return resident_pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
+  return static_cast<double>(resident_bytes()) / (1024.0 * 1024.0);
 }
 
 /// Blocks too small for a mapping of their own, below one that stays.
