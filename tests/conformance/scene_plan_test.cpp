@@ -160,7 +160,10 @@ TEST_P(PlannedScene, AStepThatIsLeftOutChangesNothingWhenForced) {
     for (const scene::PlannedStep& step : plan.steps()) {
       if (step.use != StepUse::LeftOut) continue;
       const auto forced = picture(scene, plan.forcing(step.step), kernel);
-      EXPECT_LE(largest_difference(planned, forced), 1e-6) << kernel << ": " << step.name;
+      // An environment draws directions from whole reflectors, which are made one by one, not in
+      // vectors: alike within 1e-5.
+      const double bound = step.step == scene::Step::Environment ? 1e-5 : 1e-6;
+      EXPECT_LE(largest_difference(planned, forced), bound) << kernel << ": " << step.name;
     }
   }
 }
