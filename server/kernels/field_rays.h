@@ -30,8 +30,8 @@ class FieldRays {
   std::optional<visibility::Hit> intersect(const visibility::Ray& ray) const;
   bool occluded(const visibility::Ray& ray) const;
 
-  /// Gap (visibility::Hit) of points that others found, known to an eighth of half of `width_m`.
-  static float gap_at(float width_m) { return 0.25F * width_m; }
+  /// Gap (visibility::Hit) of points that others found, known to a twentieth of half of `width_m`.
+  static float gap_at(float width_m) { return 0.1F * width_m; }
 
  private:
   sdf::Program program_;

@@ -6,10 +6,6 @@
 namespace macula::sdf {
 namespace {
 
-/// Of a hit distance at unit t: a surface that falls off by a third of the way is still crossed
-/// within kCrossingReach. Cells are wider than this asks for from two degrees on.
-constexpr float kMostHitWidth = 0x1p-10F;
-
 RayStatus status_of(LaneState state) {
   switch (state) {
     case LaneState::Hit:

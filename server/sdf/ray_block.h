@@ -5,6 +5,11 @@
 
 namespace macula::sdf {
 
+/// Of a hit distance at unit t, or crossings would lie beyond kCrossingReach of their marks: here a
+/// surface that falls off by a thirtieth of the way is still crossed. Cells of a picture would want
+/// more from a ninth of a degree on.
+inline constexpr float kMostHitWidth = 0x1p-13F;
+
 struct RayBlock {
   const PixelGrid& grid;
   const Mat3& scene_from_view;

@@ -102,7 +102,7 @@ class TileTrace {
       widest = std::max(widest, grid_.footprint(x, tile.y).x);
     for (int y = tile.y; y < tile.y + tile.height; ++y)
       highest = std::max(highest, grid_.footprint(tile.x, y).y);
-    return options_.hit_pixels * 0.5F * std::max(widest, highest);
+    return std::min(options_.hit_pixels * 0.5F * std::max(widest, highest), kMostHitWidth);
   }
 
   Vec3 direction(const Vec2& tangent) const {

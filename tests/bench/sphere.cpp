@@ -188,17 +188,27 @@ double wrong_hits(const Plane<float>& reference, const Plane<float>& test) {
   return static_cast<double>(wrong) / static_cast<double>(reference.size());
 }
 
-double mean_in_fovea(const Plane<float>& map, const PixelGrid& grid, double fovea_deg) {
-  double sum = 0.0;
-  std::size_t count = 0;
-  const Vec3 gaze = Gaze{}.direction;
-  for (int y = 0; y < map.height(); ++y) {
-    for (int x = 0; x < map.width(); ++x) {
-      const Degrees e{foveation::eccentricity(gaze, grid.ray(x, y))};
-      if (e.value() <= fovea_deg) sum += map(x, y), ++count;
+/// FLIP of the fovea alone: what lies around it is made equal, or FLIP's filters would carry it in.
+double flip_in_fovea(const Plane<Rgb>& reference, const Plane<Rgb>& test, const PixelGrid& grid,
+                     double fovea_deg, double pixels_per_degree) {
+  Plane<Rgb> fovea = reference;
+  std::vector<std::size_t> inside;
+  bool differs = false;
+  for (int y = 0; y < test.height(); ++y) {
+    for (int x = 0; x < test.width(); ++x) {
+      const Degrees e{foveation::eccentricity(Gaze{}.direction, grid.ray(x, y))};
+      if (e.value() > fovea_deg) continue;
+      inside.push_back(static_cast<std::size_t>(y) * static_cast<std::size_t>(test.width()) +
+                       static_cast<std::size_t>(x));
+      differs = differs || test(x, y) != reference(x, y);
+      fovea(x, y) = test(x, y);
     }
   }
-  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+  if (!differs) return 0.0;
+  const Plane<float> flip = metrics::flip_map(reference, fovea, pixels_per_degree);
+  double sum = 0.0;
+  for (const std::size_t i : inside) sum += flip.pixels()[i];
+  return sum / static_cast<double>(inside.size());
 }
 
 Quality compare(const Measured& reference, const Measured& test, const SphereCase& row,
@@ -214,7 +224,7 @@ Quality compare(const Measured& reference, const Measured& test, const SphereCas
     const Plane<float> flip = metrics::flip_map(a, b, display.pixels_per_degree());
     quality.ssim += share * metrics::ssim_luma(encoded_values(a), encoded_values(b));
     quality.flip += share * metrics::summarise(flip).mean;
-    quality.flip_fovea += share * mean_in_fovea(flip, grid, fovea);
+    quality.flip_fovea += share * flip_in_fovea(a, b, grid, fovea, display.pixels_per_degree());
     quality.wrong_hits += share * wrong_hits(ideal.depth_m, picture.depth_m);
   }
   return quality;
