@@ -188,7 +188,7 @@ double f10_psnr_db(const image::Plane<Rgb8>& shown, const image::Plane<Rgb8>& ex
       values += 3.0;
     }
   }
-  return squares == 0.0 ? INFINITY : 10.0 * std::log10(255.0 * 255.0 * values / squares);
+  return metrics::db_from_mse(squares / values, 255.0);
 }
 
 /// Grey: four times the root mean square error of each pixel.

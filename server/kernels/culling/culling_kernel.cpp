@@ -141,6 +141,7 @@ bool follows_light(const Config& config, const SceneFrame& scene) {
 Config make_config(const KernelOptions& options) {
   Config config;
   config.ray = ray::make_config(options);
+  config.ray.foveated.method = ray::Method::Full;  // it remembers light, not cells
   config.indirect = options.bounces.value_or(1) > 0;
   return config;
 }

@@ -58,7 +58,7 @@ void remember_visibility(std::vector<float>& known, std::vector<float>& visible)
 
 bool all_diffuse(const SceneFrame& scene, const Config& config) {
   return config.ray.materials == shading::MaterialModel::Lambert ||
-         !scene.plan().has(scene::Step::SpecularLobe);
+         scene.plan().use(scene::Step::SpecularLobe) != scene::StepUse::Used;
 }
 
 void set_least_distance(const SceneFrame& scene, const Config& config, KeptLights& all) {

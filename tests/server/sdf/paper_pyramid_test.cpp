@@ -54,12 +54,12 @@ std::size_t wrong_hits(const std::vector<Hit>& truth, const std::vector<Hit>& fo
 
 class ThinPoles : public testing::Test {
  protected:
-  // Poles thinner than the gaps between rays of the coarsest level.
+  // Poles thinner than the gaps between rays of the coarsest level: on this grid and no finer one.
   Field field = scene_of(R"({"type": "repeat", "period": [0.5, 0, 0], "first": [-8, 0, 0],
     "last": [8, 0, 0], "of": {"type": "cylinder", "radius": 0.012, "half_height": 2}})");
   Pose pose = math::look_at({0.1, 0.3, 4.0}, DVec3{0.0}, {0.0, 1.0, 0.0});
   Program program = compile(field, 0.0, pose.position);
-  PixelGrid grid = grid_of(many(76800));
+  PixelGrid grid = grid_of(76800);
 };
 
 TEST_F(ThinPoles, ArePassedByThePrintedMethodAndMetByCones) {
