@@ -91,8 +91,16 @@ struct Ladder {
   std::vector<std::shared_ptr<const kernels::Kernel>> kernels;
 };
 
+bool has_samples_by_hand(const Options& options) {
+  const Options untouched;
+  return options.area_samples != untouched.area_samples ||
+         options.ambient_samples != untouched.ambient_samples;
+}
+
+/// A time to hold goes along the ladder, too, unless samples were set by hand: those stay.
 bool wants_ladder(const Options& options) {
-  return options.quality || options.max_error || options.target_ms;
+  return options.quality || options.max_error ||
+         (options.target_ms && !has_samples_by_hand(options));
 }
 
 /// A kernel without a ladder gives way in the periphery's resolution alone.

@@ -39,7 +39,9 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--keys", options.keys, "Key folder [$XDG_CONFIG_HOME/macula]");
   app.add_option("--config", options.config, "Settings file (TOML); options here win over it");
-  app.add_option("--target-ms", options.target_ms, "Render time to hold by lowering quality, ms");
+  app.add_option("--target-ms", options.target_ms,
+                 "Render time to hold by lowering quality, ms; samples set by hand stay: then the "
+                 "periphery alone gives way");
   app.add_option("--quality", options.quality,
                  "0 (fast) to 10 (good) on the kernel's measured ladder; with --target-ms at most")
       ->option_text("NUMBER");
