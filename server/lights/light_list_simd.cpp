@@ -32,12 +32,6 @@ HWY_INLINE HWY_ATTR IntVec choose(const EmitterTable& table, FloatVec u) {
   }
 }
 
-HWY_INLINE HWY_ATTR Vec3s gather_row(const float* table, IntVec row) {
-  const Floats d;
-  return {hn::GatherIndex(d, table, row), hn::GatherIndex(d, table + 1, row),
-          hn::GatherIndex(d, table + 2, row)};
-}
-
 /// Heitz's map, as sampling::uniform_triangle.
 HWY_INLINE HWY_ATTR void fold_onto_triangle(FloatVec& u, FloatVec& v) {
   const auto half = hn::Set(Floats(), 0.5F);
@@ -64,9 +58,9 @@ HWY_ATTR void area_vectors(const EmitterTable& table, const sampling::Vec2Batch&
     auto b2 = hn::Load(d, us.y + i);
     fold_onto_triangle(b1, b2);
     const auto row = hn::ShiftLeft<4>(light);
-    const Vec3s edge1 = gather_row(rows + 3, row), edge2 = gather_row(rows + 6, row);
-    const Vec3s position = plus(plus(gather_row(rows, row), b1, edge1), b2, edge2);
-    const Vec3s normal = gather_row(rows + 9, row);
+    const Vec3s edge1 = gather_three(rows + 3, row), edge2 = gather_three(rows + 6, row);
+    const Vec3s position = plus(plus(gather_three(rows, row), b1, edge1), b2, edge2);
+    const Vec3s normal = gather_three(rows + 9, row);
     const Vec3s towards = minus(position, load(points, i));
     const auto distance2 = dot(towards, towards);
     const auto facing = hn::Neg(dot(normal, towards));  // cosine at the light times distance
@@ -76,7 +70,7 @@ HWY_ATTR void area_vectors(const EmitterTable& table, const sampling::Vec2Batch&
     const auto strength =
         hn::Div(hn::Mul(hn::Mul(facing, area), inverse), hn::Mul(distance2, share));
     store(scaled(inverse, towards), out.arrival.to_light, i);
-    store(scaled_where(shines, strength, gather_row(rows + 12, row)), out.arrival.irradiance, i);
+    store(scaled_where(shines, strength, gather_three(rows + 12, row)), out.arrival.irradiance, i);
     store(position, out.position, i);
     store(normal, out.normal, i);
     const auto edges2 = hn::Max(dot(edge1, edge1), dot(edge2, edge2));

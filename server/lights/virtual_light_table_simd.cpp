@@ -13,12 +13,6 @@ namespace macula::lights::HWY_NAMESPACE {
 
 using namespace sampling::HWY_NAMESPACE;
 
-HWY_INLINE HWY_ATTR Vec3s gather_three(const float* rows, IntVec row) {
-  const Floats d;
-  return {hn::GatherIndex(d, rows, row), hn::GatherIndex(d, rows + 1, row),
-          hn::GatherIndex(d, rows + 2, row)};
-}
-
 HWY_ATTR void virtual_vectors(const VirtualLightTable& table, const LightDraws& draws,
                               const sampling::Vec3Batch& points, std::size_t count,
                               AreaArrivalBatch& out) {

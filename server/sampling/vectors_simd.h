@@ -63,6 +63,13 @@ HWY_INLINE HWY_ATTR FloatVec dot(const Vec3s& a, const Vec3s& b) {
   return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
 }
 
+/// The three floats from `row` on of a table, a row a lane.
+HWY_INLINE HWY_ATTR Vec3s gather_three(const float* rows, IntVec row) {
+  const Floats d;
+  return {hn::GatherIndex(d, rows, row), hn::GatherIndex(d, rows + 1, row),
+          hn::GatherIndex(d, rows + 2, row)};
+}
+
 }  // namespace macula::sampling::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

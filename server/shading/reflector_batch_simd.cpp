@@ -8,6 +8,7 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
 #include "server/sampling/vectors_simd.h"
+#include "server/shading/ggx_nodes_simd.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace macula::shading::HWY_NAMESPACE {
@@ -17,28 +18,7 @@ using namespace sampling::HWY_NAMESPACE;
 
 // ---- the lobe's directional albedo, from its table ----
 
-/// Node below a value in [0, 1] and the way from there to the next.
-struct Place {
-  IntVec node;
-  FloatVec blend;
-};
-HWY_INLINE HWY_ATTR Place locate(FloatVec value) {
-  const Floats d;
-  const Ints di;
-  constexpr float kSteps = GgxAlbedoNodes::kNodes - 1;
-  const auto t = hn::Mul(hn::Sqrt(value), hn::Set(d, kSteps));
-  const auto node = hn::Min(hn::ConvertTo(di, t), hn::Set(di, GgxAlbedoNodes::kNodes - 2));
-  const auto n = hn::ConvertTo(d, node);
-  // Nodes stand for squares: (n + 1)^2 - n^2 = 2 n + 1 steps^2 between neighbours.
-  const auto above = hn::NegMulAdd(n, n, hn::Mul(value, hn::Set(d, kSteps * kSteps)));
-  const auto blend = hn::Div(above, hn::MulAdd(hn::Set(d, 2.0F), n, hn::Set(d, 1.0F)));
-  return {node, hn::Min(hn::Max(blend, hn::Zero(d)), hn::Set(d, 1.0F))};
-}
-
 /// In units of 1/65535.
-struct Albedo {
-  FloatVec a, b;
-};
 HWY_INLINE HWY_ATTR Albedo gather(IntVec index) {
   const Floats d;
   const Ints di;
@@ -46,9 +26,6 @@ HWY_INLINE HWY_ATTR Albedo gather(IntVec index) {
   const auto upper = hn::ShiftRight<16>(hn::BitCast(Words(), packed));
   return {hn::ConvertTo(d, hn::And(packed, hn::Set(di, 0xFFFF))),
           hn::ConvertTo(d, hn::BitCast(di, upper))};
-}
-HWY_INLINE HWY_ATTR Albedo mix(const Albedo& x, const Albedo& y, FloatVec t) {
-  return {hn::MulAdd(t, hn::Sub(y.a, x.a), x.a), hn::MulAdd(t, hn::Sub(y.b, x.b), x.b)};
 }
 HWY_INLINE HWY_ATTR Albedo albedo(FloatVec mu, FloatVec alpha) {
   const Floats d;

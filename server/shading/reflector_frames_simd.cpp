@@ -12,6 +12,7 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
 #include "server/sampling/vectors_simd.h"
+#include "server/shading/ggx_nodes_simd.h"
 
 #ifndef MACULA_SHADING_LEAST_COSINE
 #define MACULA_SHADING_LEAST_COSINE
@@ -49,33 +50,10 @@ HWY_INLINE HWY_ATTR Vec3s bent(const Vec3s& shading, const Vec3s& to_eye) {
 
 // ---- the lobe's albedo ----
 
-struct Place {
-  IntVec node;
-  FloatVec blend;
-};
-HWY_INLINE HWY_ATTR Place locate(FloatVec value) {
-  const Floats d;
-  const Ints di;
-  constexpr float kSteps = GgxAlbedoNodes::kNodes - 1;
-  const auto t = hn::Mul(hn::Sqrt(value), hn::Set(d, kSteps));
-  const auto node =
-      hn::Min(hn::Max(hn::ConvertTo(di, t), hn::Zero(di)), hn::Set(di, GgxAlbedoNodes::kNodes - 2));
-  const auto n = hn::ConvertTo(d, node);
-  // Nodes stand for squares: (n + 1)^2 - n^2 = 2 n + 1 steps^2 between neighbours.
-  const auto above = hn::NegMulAdd(n, n, hn::Mul(value, hn::Set(d, kSteps * kSteps)));
-  const auto blend = hn::Div(above, hn::MulAdd(hn::Set(d, 2.0F), n, hn::Set(d, 1.0F)));
-  return {node, hn::Min(hn::Max(blend, hn::Zero(d)), hn::Set(d, 1.0F))};
-}
-struct Albedo {
-  FloatVec a, b;
-};
 HWY_INLINE HWY_ATTR Albedo node(const float* table, IntVec index) {
   const Floats d;
   const auto at = hn::Add(index, index);
   return {hn::GatherIndex(d, table, at), hn::GatherIndex(d, table + 1, at)};
-}
-HWY_INLINE HWY_ATTR Albedo mix(const Albedo& x, const Albedo& y, FloatVec t) {
-  return {hn::MulAdd(t, hn::Sub(y.a, x.a), x.a), hn::MulAdd(t, hn::Sub(y.b, x.b), x.b)};
 }
 HWY_INLINE HWY_ATTR Albedo directional(const float* table, const Place& x, const Place& y) {
   const Ints di;

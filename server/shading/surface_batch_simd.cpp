@@ -51,10 +51,7 @@ HWY_INLINE HWY_ATTR Corners corners(const std::int32_t* triangles, IntVec triang
           hn::GatherIndex(di, triangles + 2, row)};
 }
 HWY_INLINE HWY_ATTR Vec3s row_of_three(const float* rows, IntVec index) {
-  const Floats d;
-  const auto at = hn::Mul(index, hn::Set(Ints(), 3));
-  return {hn::GatherIndex(d, rows, at), hn::GatherIndex(d, rows + 1, at),
-          hn::GatherIndex(d, rows + 2, at)};
+  return gather_three(rows, hn::Mul(index, hn::Set(Ints(), 3)));
 }
 
 HWY_INLINE HWY_ATTR FloatVec largest_coordinate(const Vec3s& v) {
