@@ -7,6 +7,7 @@
 
 #include "server/shading/ggx.h"
 #include "shared/base/check.h"
+#include "shared/base/parallel.h"
 
 namespace macula::shading {
 namespace {
@@ -21,35 +22,62 @@ float footprint_scale(const scene::TextureRef& reference) {
 
 }  // namespace
 
+/// The images that materials look up, each once; made into textures together, on all cores.
+class MaterialTable::TextureList {
+ public:
+  TextureList(const scene::Scene& scene, scene::StepUse use) : scene_(scene), use_(use) {
+    if (use == scene::StepUse::Forced) images_.emplace_back(nullptr, scene::ColorSpace::Linear);
+  }
+
+  /// What has no image is white where textures are forced.
+  std::optional<Lookup> look_up(const std::optional<scene::TextureRef>& reference) {
+    constexpr std::size_t kWhite = 0;
+    if (use_ == scene::StepUse::LeftOut) return std::nullopt;
+    if (!reference && use_ == scene::StepUse::Forced) return Lookup{kWhite, {}};
+    if (!reference) return std::nullopt;
+    MACULA_CHECK(reference->image < scene_.images.size(), "import checks image indices");
+    const auto [place, added] =
+        known_.try_emplace({reference->image, reference->space}, images_.size());
+    if (added) images_.emplace_back(&scene_.images[reference->image].pixels, reference->space);
+    return Lookup{place->second, *reference};
+  }
+  std::vector<Texture> make() const {
+    static const image::Plane<image::Rgba8> kNoPixels;
+    std::vector<std::optional<Texture>> made(images_.size());
+    base::for_each_index(images_.size(), [&](std::size_t i) {
+      const auto& [pixels, space] = images_[i];
+      made[i].emplace(pixels != nullptr ? *pixels : kNoPixels, space);
+    });
+    std::vector<Texture> textures;
+    textures.reserve(made.size());
+    for (std::optional<Texture>& texture : made) textures.push_back(std::move(*texture));
+    return textures;
+  }
+
+ private:
+  const scene::Scene& scene_;
+  scene::StepUse use_;
+  std::vector<std::pair<const image::Plane<image::Rgba8>*, scene::ColorSpace>> images_;
+  std::map<std::pair<scene::Index, scene::ColorSpace>, std::size_t> known_;
+};
+
 MaterialTable::MaterialTable(const scene::Scene& scene, const MaterialOptions& options)
     : options_(options) {
-  const bool forced = options.textures == scene::StepUse::Forced;
-  const std::size_t white = 0;
-  if (forced) textures_.emplace_back(image::Plane<image::Rgba8>{}, scene::ColorSpace::Linear);
-  std::map<std::pair<scene::Index, scene::ColorSpace>, std::size_t> known;
-  const auto look_up =
-      [&](const std::optional<scene::TextureRef>& reference) -> std::optional<Lookup> {
-    if (options.textures == scene::StepUse::LeftOut) return std::nullopt;
-    if (!reference) return forced ? std::optional(Lookup{white, {}}) : std::nullopt;
-    MACULA_CHECK(reference->image < scene.images.size(), "import checks image indices");
-    const auto [place, added] =
-        known.try_emplace({reference->image, reference->space}, textures_.size());
-    if (added) textures_.emplace_back(scene.images[reference->image].pixels, reference->space);
-    return Lookup{place->second, *reference};
-  };
+  TextureList list(scene, options.textures);
   materials_.reserve(scene.materials.size());
   for (const scene::Material& material : scene.materials) {
-    Entry entry{material,
-                look_up(material.base_color_texture),
-                look_up(material.metallic_roughness_texture),
-                look_up(material.emission_texture),
-                look_up(material.specular_texture),
-                look_up(material.specular_color_texture),
-                material.emission};
+    materials_.push_back({material, list.look_up(material.base_color_texture),
+                          list.look_up(material.metallic_roughness_texture),
+                          list.look_up(material.emission_texture),
+                          list.look_up(material.specular_texture),
+                          list.look_up(material.specular_color_texture), material.emission});
+  }
+  textures_ = list.make();
+  for (Entry& entry : materials_) {
     if (entry.emission) entry.mean_emission *= Rgb(textures_[entry.emission->texture].mean());
+    const scene::Material& material = entry.material;
     const bool blends = material.alpha_mode == scene::AlphaMode::Blend;
     if (blends && material.alpha > 0.0F) entry.mean_emission *= material.alpha;
-    materials_.push_back(std::move(entry));
   }
 }
 
@@ -94,7 +122,8 @@ Bsdf MaterialTable::make_bsdf(const Factors& at) const {
   bsdf.f0 = (1.0F - at.metallic) * dielectric + at.metallic * at.base;
   bsdf.f90 = (1.0F - at.metallic) * at.specular + at.metallic;
   bsdf.alpha = std::clamp(at.roughness * at.roughness, kLeastAlpha, 1.0F);
-  if (options_.specular_lobe == scene::StepUse::Forced) bsdf.f90 = std::max(bsdf.f90, kFaintestLobe);
+  if (options_.specular_lobe == scene::StepUse::Forced)
+    bsdf.f90 = std::max(bsdf.f90, kFaintestLobe);
   return bsdf;
 }
 

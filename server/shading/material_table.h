@@ -70,6 +70,7 @@ class MaterialTable {
   std::size_t texture_count() const { return textures_.size(); }
 
  private:
+  class TextureList;
   struct Lookup {
     std::size_t texture;
     scene::TextureRef reference;

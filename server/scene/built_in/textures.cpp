@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "shared/base/parallel.h"
 #include "shared/math/hash.h"
 
 namespace macula::scene::built_in {
@@ -43,33 +44,47 @@ std::vector<Tap> taps_across(int size_px, int cells) {
   return taps;
 }
 
+/// Calls row(y) for every row of a texture, on all cores.
+template <class Row>
+void for_each_row(int size_px, const Row& row) {
+  base::for_each_index(static_cast<std::size_t>(size_px),
+                       [&](std::size_t y) { row(static_cast<int>(y)); });
+}
+
+/// Values of a lattice that wraps, three columns more than it has, so that splines find their four.
+Field lattice(int cells_x, int cells_y, std::uint64_t seed) {
+  Field values(cells_x + 3, cells_y);
+  for (int y = 0; y < cells_y; ++y) {
+    for (int x = 0; x < cells_x + 3; ++x) values(x, y) = lattice_value(seed, x % cells_x, y);
+  }
+  return values;
+}
+
 /// One octave, added to `field`: splines first down the lattice columns, then along the row.
 void add_octave(Field& field, int cells_x, int cells_y, float amplitude, std::uint64_t seed) {
   const std::vector<Tap> across = taps_across(field.width(), cells_x);
   const std::vector<Tap> down = taps_across(field.height(), cells_y);
-  std::vector<float> column(static_cast<std::size_t>(cells_x) + 3);
-  for (int y = 0; y < field.height(); ++y) {
+  const Field values = lattice(cells_x, cells_y, seed);
+  for_each_row(field.height(), [&](int y) {
     const Tap& tap = down[static_cast<std::size_t>(y)];
-    for (int x = 0; x < cells_x + 3; ++x) {
-      float value = 0.0F;
-      for (int k = 0; k < 4; ++k) {
-        const int wrapped_y = (tap.cell + k) % cells_y;
-        value +=
-            tap.weights[static_cast<std::size_t>(k)] * lattice_value(seed, x % cells_x, wrapped_y);
-      }
-      column[static_cast<std::size_t>(x)] = amplitude * value;
+    std::vector<float> column(static_cast<std::size_t>(values.width()));
+    for (int k = 0; k < 4; ++k) {
+      const float weight = tap.weights[static_cast<std::size_t>(k)];
+      const std::span<const float> line = values.row((tap.cell + k) % cells_y);
+      for (std::size_t x = 0; x < column.size(); ++x) column[x] += weight * line[x];
     }
+    for (float& value : column) value *= amplitude;
     const std::span<float> row = field.row(y);
     for (std::size_t x = 0; x < row.size(); ++x) {
       const float* v = column.data() + across[x].cell;
       const std::array<float, 4>& w = across[x].weights;
       row[x] += w[0] * v[0] + w[1] * v[1] + w[2] * v[2] + w[3] * v[3];
     }
-  }
+  });
 }
 
 std::uint8_t to_byte(float value) {
-  return static_cast<std::uint8_t>(std::lround(255.0F * std::clamp(value, 0.0F, 1.0F)));
+  return static_cast<std::uint8_t>(255.0F * std::clamp(value, 0.0F, 1.0F) + 0.5F);
 }
 image::Rgba8 to_pixel(const Vec3& color, float alpha = 1.0F) {
   return {to_byte(color.x), to_byte(color.y), to_byte(color.z), to_byte(alpha)};
@@ -85,17 +100,17 @@ float fraction(float x) {
   return x - std::floor(x);
 }
 
-/// Calls color(x, y, u, v) for each pixel; u, v in [0, 1) at its centre.
+/// Calls color(x, y, u, v) for each pixel, rows on all cores; u, v in [0, 1) at its centre.
 template <class Color>
 Image paint(std::string name, int size_px, const Color& color) {
   Image result{std::move(name), image::Plane<image::Rgba8>(size_px, size_px)};
-  for (int y = 0; y < size_px; ++y) {
+  for_each_row(size_px, [&](int y) {
     const float v = (static_cast<float>(y) + 0.5F) / static_cast<float>(size_px);
     for (int x = 0; x < size_px; ++x) {
       const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(size_px);
       result.pixels(x, y) = to_pixel(color(x, y, u, v));
     }
-  }
+  });
   return result;
 }
 
