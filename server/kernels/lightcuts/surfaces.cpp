@@ -82,7 +82,7 @@ class TileShot {
     tile_.points.sample = 0;
     tile_.points.keeps_whole = shot_.scene.plan().has(scene::Step::Environment);
     tile_.point_of.fill(SurfaceTile::kNone);
-    const bool in_vectors = ray::shades_in_vectors(shot_.scene, tile_.points);
+    const bool in_vectors = ray::shades_in_vectors(shot_.scene);
     if (in_vectors) add_groups();
     for (int i = 0; i < rays_.count; ++i) {
       if (!hits_.hit(i)) {

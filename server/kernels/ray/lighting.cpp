@@ -420,10 +420,11 @@ void LitPoints::push(const shading::Surface& surface, const shading::Reflector& 
 
 void LitPoints::append(const SurfaceGroup& group) {
   const std::size_t n = group.points.count;
-  MACULA_DCHECK(count + n <= sampling::kBatch && !keeps_whole);
+  MACULA_DCHECK(count + n <= sampling::kBatch);
   position.copy(count, group.surfaces.position, n);
   ray_origin.copy(count, group.ray_origin, n);
   reflectors.copy(count, group.reflectors, n);
+  for (std::size_t k = 0; keeps_whole && k < n; ++k) whole.push_back(group.reflector(k));
   count += n;
 }
 

@@ -61,8 +61,13 @@ void SurfaceGroup::shade(const SceneFrame& scene, const Config& config) {
   offset_origins(surfaces, reflectors.geometric, n, ray_origin);
 }
 
-bool shades_in_vectors(const SceneFrame& scene, const LitPoints& points) {
-  return !points.keeps_whole && scene.triangles().packet_width() > 0;
+bool shades_in_vectors(const SceneFrame& scene) {
+  return scene.triangles().packet_width() > 0;
+}
+
+shading::Reflector SurfaceGroup::reflector(std::size_t k) const {
+  const shading::Bsdf bsdf{bsdfs.albedo[k], bsdfs.f0[k], bsdfs.f90.at[k], bsdfs.alpha.at[k]};
+  return {bsdf, {reflectors.geometric[k], reflectors.shading[k], reflectors.to_eye[k]}};
 }
 
 Rgb SurfaceGroup::emission(std::size_t k, const SceneFrame& scene) const {

@@ -1,8 +1,7 @@
 // The surface stage: from rays that met triangles to points ready to be lit, in vectors. Rays are
 // taken instance by instance, so that mesh, transform, material and textures are the same for a
 // whole vector; what a point becomes depends on that point alone. shade_point() says the same of
-// one point at a time, for distance fields and for terms that draw directions from whole
-// reflectors.
+// one point at a time, for distance fields.
 #pragma once
 
 #include <cstdint>
@@ -51,11 +50,13 @@ struct SurfaceGroup {
                std::span<const std::uint16_t> group);
   /// Makes everything else.
   void shade(const SceneFrame& scene, const Config& config);
+  /// Point k's by itself, for terms that draw directions from it.
+  shading::Reflector reflector(std::size_t k) const;
   /// Towards the eye of point k: of front faces only.
   Rgb emission(std::size_t k, const SceneFrame& scene) const;
 };
 
-/// Whether points of the scene can go through this stage: triangles, and no whole reflectors asked.
-bool shades_in_vectors(const SceneFrame& scene, const LitPoints& points);
+/// Whether points of the scene can go through this stage: there are triangles.
+bool shades_in_vectors(const SceneFrame& scene);
 
 }  // namespace macula::kernels::ray

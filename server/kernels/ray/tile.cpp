@@ -37,13 +37,13 @@ class TileRun {
       : context_(context), out_(out) {
     list_cells(tile);
     points_.keeps_whole = keeps_whole();
-    in_vectors_ = shades_in_vectors(context.scene, points_);
+    in_vectors_ = shades_in_vectors(context.scene);
   }
   TileRun(const ViewContext& context, std::span<const image::Pixel> cells, ViewBuffers& out)
       : context_(context), out_(out) {
     for (const image::Pixel& cell : cells) add_cell(cell.x, cell.y);
     points_.keeps_whole = keeps_whole();
-    in_vectors_ = shades_in_vectors(context.scene, points_);
+    in_vectors_ = shades_in_vectors(context.scene);
   }
 
   FrameReport run() {
