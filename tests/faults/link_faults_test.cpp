@@ -72,15 +72,14 @@ TEST_F(LinkFaults, ALostFrameCostsARoundTripAndAFrameAndNothingGrows) {
     link.loss_stall = 20ms;
     proxy_->shape(Direction::ToClient, link);
     double early = 0.0, late = 0.0;
-    // At 20 % one frame in 25 waits behind the stall of the one before: two round trips.
-    const double round_trips_ms = (loss < 0.1 ? 1.0 : 2.0) * kRoundTrip_ms;
-    const double p99 = least_of(3, normal + round_trips_ms + kFrame_ms, [&] {
+    const double allowed = normal + kRoundTrip_ms + kFrame_ms;
+    const double p99 = least_of(3, allowed, [&] {
       early = quantile(ages(span / 2), 0.5);
       const auto rest = ages(span / 2);
       late = quantile(rest, 0.5);
       return quantile(rest, 0.99);
     });
-    EXPECT_LE(p99, normal + round_trips_ms + kFrame_ms) << loss;
+    EXPECT_LE(p99, allowed) << loss;
     EXPECT_LE(late, early + kFrame_ms) << loss;
     note_fault(
         text("frame loss ", 100.0 * loss, " %"),

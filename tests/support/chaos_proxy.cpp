@@ -117,11 +117,15 @@ void flip_if_its_turn(std::vector<std::uint8_t>& bytes, Lane& lane, std::mt19937
   ++lane.flipped;
 }
 
-nanoseconds stall_by_losses(std::size_t bytes, const LinkShape& shape, std::mt19937_64& random) {
+/// Losses among the packets of a chunk are mended together (selective acknowledgements, RFC 2018);
+/// a resent packet may be lost again.
+nanoseconds delay_by_losses(std::size_t bytes, const LinkShape& shape, std::mt19937_64& random) {
   if (shape.loss <= 0.0) return nanoseconds{0};
   const auto packets = static_cast<long>((bytes + kPacketBytes - 1) / kPacketBytes);
   std::binomial_distribution<long> lost(packets, shape.loss);
-  return lost(random) * shape.loss_stall;
+  if (lost(random) == 0) return nanoseconds{0};
+  std::geometric_distribution<long> lost_again(1.0 - shape.loss);
+  return (1 + lost_again(random)) * shape.loss_stall;
 }
 
 void Pipe::read_from(int fd, Lane& lane, TimePoint now, std::mt19937_64& random) {
@@ -137,8 +141,8 @@ void Pipe::read_from(int fd, Lane& lane, TimePoint now, std::mt19937_64& random)
   held_ += chunk.bytes.size();
   flip_if_its_turn(chunk.bytes, lane, random);
   std::uniform_int_distribution<nanoseconds::rep> extra(0, lane.shape.jitter.count());
-  chunk.due = std::max(last_due_, now + lane.shape.delay + nanoseconds{extra(random)}) +
-              stall_by_losses(chunk.bytes.size(), lane.shape, random);
+  chunk.due = std::max(last_due_, now + lane.shape.delay + nanoseconds{extra(random)} +
+                                      delay_by_losses(chunk.bytes.size(), lane.shape, random));
   last_due_ = chunk.due;
   chunks_.push_back(std::move(chunk));
 }

@@ -23,8 +23,9 @@ struct LinkShape {
   std::chrono::nanoseconds jitter{0};  ///< uniform extra in [0, jitter] per chunk; order is kept
   double bytes_per_s = 0.0;            ///< 0 = no limit; 2 Mbit/s is 250e3
   std::size_t buffer_bytes = 65536;    ///< what the link holds before the sender feels it
-  /// Chance that a packet of 1448 bytes is lost. TCP shows a loss as a stall: the packet and all
-  /// behind it come `loss_stall` later (a round trip with fast retransmission).
+  /// Chance that a packet of 1448 bytes is lost. TCP shows a loss as a stall: the packet comes
+  /// `loss_stall` later (a round trip with fast retransmission), and nothing behind it before it.
+  /// Losses of one flight are mended together.
   double loss = 0.0;
   std::chrono::nanoseconds loss_stall{0};
 };

@@ -181,16 +181,31 @@ TEST_F(ThroughAProxy, ARateLimitLetsNoMoreThroughThanItSays) {
   EXPECT_GE(ms_since(start), 200.0 - 6.0) << "one burst of 5 ms may leave at once";
 }
 
-// 400 packets of which each stalls the link with chance .1: 40 +- 6 stalls of 3 ms.
-TEST_F(ThroughAProxy, LossesShowAsStalls) {
+// 40 messages one by one, each lost with chance .5: 20 +- 3.2 of them.
+TEST_F(ThroughAProxy, ALossShowsAsAStall) {
   auto [client, server] = connect();
-  proxy_->shape(Direction::ToServer, {.loss = 0.1, .loss_stall = 3ms});
+  proxy_->shape(Direction::ToServer, {.loss = 0.5, .loss_stall = 10ms});
+  int stalled = 0;
+  for (int i = 0; i < 40; ++i) {
+    const auto start = Clock::now();
+    client.send({1});
+    ASSERT_EQ(server.receive(1).size(), 1U);
+    stalled += ms_since(start) >= 9.9 ? 1 : 0;
+  }
+  EXPECT_GE(stalled, 20 - 13) << "four standard deviations below the mean";
+}
+
+// 400 packets of which 40 are lost at once: one by one they would stall for two seconds.
+TEST_F(ThroughAProxy, LossesOfOneFlightAreMendedTogether) {
+  auto [client, server] = connect();
+  proxy_->shape(Direction::ToServer, {.loss = 0.1, .loss_stall = 50ms});
   const Bytes sent = numbered(400 * 1448);
   const auto start = Clock::now();
   std::thread sender([&] { client.send(sent); });
   EXPECT_EQ(server.receive(sent.size()), sent);
   sender.join();
-  EXPECT_GE(ms_since(start), 3.0 * 40 - 3.0 * 24) << "four standard deviations below the mean";
+  EXPECT_GE(ms_since(start), 49.9);
+  EXPECT_LT(ms_since(start), 1000.0);
 }
 
 TEST_F(ThroughAProxy, ATraceChangesTheLinkAtItsTimesAndBeginsAgain) {
