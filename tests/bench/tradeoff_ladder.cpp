@@ -41,6 +41,19 @@ std::string scenes_of(std::span<const Fields> rows) {
 
 /// Steps differ by at least this factor in cost: what lies nearer is a measurement's noise.
 constexpr double kLeastFactor = 1.1;
+/// And a step has at most this share of the error below it: what lies nearer can't be told apart on
+/// another scene, and between two steps the periphery's resolution is carried on anyway.
+constexpr double kMostErrorShare = 0.85;
+
+/// Of steps from cheap to dear, those that are worth their cost; the cheapest and the best stay.
+std::vector<LadderStep> far_apart(std::span<const LadderStep> steps) {
+  std::vector<LadderStep> kept;
+  for (const LadderStep& step : steps) {
+    if (kept.empty() || step.rmse <= kMostErrorShare * kept.back().rmse) kept.push_back(step);
+  }
+  if (kept.size() > 1 && kept.back().config != steps.back().config) kept.back() = steps.back();
+  return kept;
+}
 
 }  // namespace
 
@@ -75,7 +88,7 @@ std::vector<LadderStep> ladder_steps(std::span<const Fields> rows) {
     }
     steps.push_back(all[i]);
   }
-  return steps;
+  return far_apart(steps);
 }
 
 double kendall_tau(std::span<const double> a, std::span<const double> b) {
