@@ -75,7 +75,9 @@ Config uniform_cuts(int nodes) {
   options.jitter = false;
   options.area_light_samples = nodes;
   options.ambient_samples = 0;
-  return kernels::lightcuts::make_config(options);
+  Config config = kernels::lightcuts::make_config(options);
+  config.denoise = kernels::lightcuts::Denoise::No;
+  return config;
 }
 
 Config denoised_cuts(int nodes) {

@@ -28,7 +28,8 @@ struct ReservoirConfig {
   bool blends_colours = true;
 };
 
-/// Yes: light over reflectance is smoothed along surfaces, further where the eye sees less.
+/// Yes: light over reflectance is joined with what earlier frames found on the same surfaces and
+/// smoothed along them, further where the eye sees less. One sample a cell, mode Fast only.
 enum class Denoise { No, Yes };
 
 struct Config {
@@ -48,14 +49,15 @@ struct Config {
 };
 
 /// KernelOptions::area_light_samples is the most nodes of a cut, over all lights that have a place.
+/// What chance leaves of so few is smoothed.
 inline Config make_config(const KernelOptions& options) {
   Config config;
   config.ray = ray::make_config(options);
   config.ray.lights = ray::LightChoice::ByCut;
+  if (options.mode == Mode::Fast) config.denoise = Denoise::Yes;
   if (options.light_share == LightShare::Perceived) {
     config.sizes = CutSizes::Perceived;
     config.source = LightSource::Reservoirs;
-    config.denoise = Denoise::Yes;
   }
   return config;
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "server/kernels/lightcuts/atrous.h"
+#include "server/kernels/lightcuts/denoiser.h"
 #include "server/kernels/lightcuts/other_light.h"
 #include "server/kernels/lightcuts/reservoir_light.h"
 #include "server/kernels/planes.h"
@@ -57,21 +57,23 @@ class Frame {
     if (!report_.stopped && config_.source != LightSource::Walks && perceived()) {
       low_ = draw_low(request_, scene_, config_, scheduler_, report_);
     }
-    auto* last = dynamic_cast<ReservoirHistory*>(history.record.get());
+    auto* last = dynamic_cast<LightHistory*>(history.record.get());
     if (last != nullptr && last->views.size() != request_.views.size()) last = nullptr;
-    auto kept = std::make_unique<ReservoirHistory>();
+    auto kept = std::make_unique<LightHistory>();
     kept->views.resize(request_.views.size());
     for (std::size_t v = 0; v < request_.views.size() && !report_.stopped; ++v) {
       look(v);
       light(v, last != nullptr ? &last->views[v] : nullptr, kept->views[v]);
       fill_sample_planes(out_.wanted, out_.views[v]);
     }
-    if (reservoirs() && !report_.stopped) keep(std::move(kept), history);
+    if (remembers() && !report_.stopped) keep(std::move(kept), history);
     return report_;
   }
 
  private:
   bool perceived() const { return config_.sizes == CutSizes::Perceived; }
+  bool denoises() const { return config_.denoise == Denoise::Yes; }
+  bool remembers() const { return reservoirs() || denoises(); }
   bool reservoirs() const { return perceived() && config_.source == LightSource::Reservoirs; }
 
   void trace() {
@@ -115,8 +117,9 @@ class Frame {
     });
     for (const FrameReport& part : parts) report_ += part;
     report_.stopped |= outcome == scheduling::Outcome::Stopped;
-    if (!report_.stopped && config_.denoise == Denoise::Yes) denoise(v);
+    if (!report_.stopped && denoises()) smooth(v, last, kept);
     for (std::size_t k = 0; k < view.tiles.size() && !report_.stopped; ++k) deliver(v, k);
+    if (!report_.stopped && denoises()) steady(v, last, kept);
   }
   FrameReport light_tile(const SurfaceTile& tile, const CutPlan& plan, const KeptView* last,
                          KeptView& kept) {
@@ -141,8 +144,8 @@ class Frame {
     return report;
   }
 
-  /// Light per reflectance, so that textures stay sharp; a channel without any has no light.
-  void denoise(std::size_t v) {
+  /// Light over reflectance, so that textures stay sharp; a channel without any has no light.
+  void smooth(std::size_t v, const KeptView* last, KeptView& kept) {
     const auto begin = std::chrono::steady_clock::now();
     constexpr float kLeast = 1e-3F;
     const auto scale = [&](const auto& by) {
@@ -156,9 +159,11 @@ class Frame {
       }
     };
     scale([](const Rgb& reflectance) { return Rgb{1.0F} / reflectance; });
-    const Vec3 eye(request_.views[v].world_from_view.position);
-    report_.stopped |= smooth(surfaces_[v], eye, eccentricity_, scheduler_, light_) ==
-                       scheduling::Outcome::Stopped;
+    const bool is_known = last != nullptr && last->memory.surfaces.width() > 0;
+    const DenoiseJob job{request_.views[v], surfaces_[v], eccentricity_, plan_.cut_nodes[v],
+                         is_known ? &last->memory : nullptr};
+    report_.stopped |=
+        denoise(job, scheduler_, light_, kept.memory) == scheduling::Outcome::Stopped;
     scale([](const Rgb& reflectance) { return reflectance; });
     report_.post_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
   }
@@ -176,10 +181,34 @@ class Frame {
     }
   }
 
-  void keep(std::unique_ptr<ReservoirHistory> kept, History& history) {
+  void steady(std::size_t v, const KeptView* last, KeptView& kept) {
+    const auto begin = std::chrono::steady_clock::now();
+    ViewBuffers& view = out_.views[v];
+    Plane<float> inverse_depth(view.depth_m.width(), view.depth_m.height());
+    std::ranges::transform(view.depth_m.pixels(), inverse_depth.pixels().begin(),
+                           [](float depth) { return 1.0F / depth; });
+    kept.picture.world_from_view = request_.views[v].world_from_view;
+    kept.picture.grid = request_.views[v].grid;
+    const reconstruction::SteadyConfig settings;
+    reconstruction::PictureJoin joined(last != nullptr ? &last->picture : nullptr, settings,
+                                       view.radiance, inverse_depth, kept.picture);
+    Plane<Rgb> shown(view.radiance.width(), view.radiance.height());
+    const auto rows = static_cast<std::size_t>(shown.height());
+    const auto prepared =
+        scheduler_.run(rows, [&](std::size_t y) { joined.prepare_row(static_cast<int>(y)); });
+    const auto outcome = scheduler_.run(rows, [&](std::size_t y) {
+      joined.join_row(static_cast<int>(y), shown.row(static_cast<int>(y)));
+    });
+    report_.stopped |=
+        prepared == scheduling::Outcome::Stopped || outcome == scheduling::Outcome::Stopped;
+    view.radiance = std::move(shown);
+    report_.post_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
+  }
+
+  void keep(std::unique_ptr<LightHistory> kept, History& history) {
     for (std::size_t v = 0; v < surfaces_.size(); ++v) {
       kept->views[v].view = request_.views[v];
-      kept->views[v].surfaces = std::move(surfaces_[v]);
+      if (reservoirs()) kept->views[v].surfaces = std::move(surfaces_[v]);
     }
     history.record = std::move(kept);
   }

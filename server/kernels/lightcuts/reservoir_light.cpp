@@ -150,7 +150,7 @@ class TileReservoirs {
 
   void recall() {
     pairs_.assign(tile_.points.count, 0);
-    if (last_ == nullptr) return;
+    if (last_ == nullptr || last_->reservoirs.empty()) return;
     for (std::uint32_t point = 0; point < tile_.points.count; ++point) recall_at(point);
     ask(
         recalled_.size(),

@@ -4,24 +4,11 @@
 // threads.
 #pragma once
 
-#include <memory>
-
-#include "server/kernels/history.h"
 #include "server/kernels/lightcuts/config.h"
 #include "server/kernels/lightcuts/cut_light.h"
-#include "server/kernels/lightcuts/reservoir.h"
+#include "server/kernels/lightcuts/light_history.h"
 
 namespace macula::kernels::lightcuts {
-
-/// One view of the last frame.
-struct KeptView {
-  View view;
-  ViewSurfaces surfaces;
-  Plane<Reservoir> reservoirs;
-};
-struct ReservoirHistory : HistoryRecord {
-  std::vector<KeptView> views;
-};
 
 /// Adds to slots as add_cut_light, and writes the tile's reservoirs. `last`: none in a first frame.
 /// `eccentricity`: of every cell, radians; beyond five degrees a second neighbour is asked where

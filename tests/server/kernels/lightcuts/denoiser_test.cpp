@@ -1,4 +1,4 @@
-#include "server/kernels/lightcuts/atrous.h"
+#include "server/kernels/lightcuts/denoiser.h"
 
 #include <cmath>
 
@@ -39,11 +39,18 @@ float noise(int x, int y) {
 Plane<Rgb> smoothed(Plane<Rgb> light) {
   const Plane<float> eccentricity(light.width(), light.height(), 0.5F);
   TileScheduler scheduler(1);
-  smooth(corner(), Vec3{0.0F}, eccentricity, scheduler, light);
+  View view;
+  for (int i = 0; i <= kSide; ++i) {
+    view.grid.x_edges.push_back(0.01F * static_cast<float>(i - kSide / 2));
+  }
+  view.grid.y_edges = view.grid.x_edges;
+  LightMemory memory;
+  const Plane<std::uint16_t> samples(light.width(), light.height(), 1);
+  denoise({view, corner(), eccentricity, samples}, scheduler, light, memory);
   return light;
 }
 
-TEST(Atrous, NoiseOnEachSideOfACornerGoesAndTheSidesStayApart) {
+TEST(Denoiser, NoiseOnEachSideOfACornerGoesAndTheSidesStayApart) {
   Plane<Rgb> light(kSide, kSide);
   for (int y = 0; y < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
@@ -62,7 +69,7 @@ TEST(Atrous, NoiseOnEachSideOfACornerGoesAndTheSidesStayApart) {
   for (int x = 0; x < kSide; ++x) EXPECT_EQ(after(x, kSide - 1), light(x, kSide - 1));
 }
 
-TEST(Atrous, EvenLightStaysAndALoneSpikeGoes) {
+TEST(Denoiser, EvenLightStaysAndALoneSpikeGoes) {
   Plane<Rgb> light(kSide, kSide, Rgb{0.7F, 0.5F, 0.3F});
   const Plane<Rgb> even = smoothed(light);
   light(3, 5) = Rgb{900.0F};

@@ -1,0 +1,97 @@
+#include "server/reconstruction/picture_memory.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace macula::reconstruction {
+
+PictureJoin::PictureJoin(const PictureMemory* last, const SteadyConfig& config,
+                         const image::Plane<Rgb>& fresh, const image::Plane<float>& inverse_depth,
+                         PictureMemory& now)
+    : last_(last),
+      config_(config),
+      fresh_(fresh),
+      inverse_depth_(inverse_depth),
+      now_(now),
+      fresh_roots_(fresh.width(), fresh.height()),
+      areas_now_(now.grid) {
+  now.roots.resize(fresh.width(), fresh.height());
+  now.frames.resize(fresh.width(), fresh.height(), 1.0F);
+  if (last == nullptr || last->roots.width() < 2 || last->roots.height() < 2) return;
+  areas_then_ = CellAreas(last->grid);
+  anything_.resize(last->roots.width(), last->roots.height(), 0.0F);
+  warp_.emplace(now.world_from_view, now.grid, last->world_from_view, last->grid);
+}
+
+void PictureJoin::prepare_row(int y) {
+  for (int x = 0; x < fresh_.width(); ++x) {
+    fresh_roots_(x, y) = Texel(glm::sqrt(glm::max(fresh_(x, y), Rgb{0.0F})));
+  }
+}
+
+void PictureJoin::join_row(int y, std::span<Rgb> shown) {
+  Row before;
+  if (warp_) before = read(y);
+  for (int x = 0; x < fresh_.width(); ++x) {
+    const auto i = static_cast<std::size_t>(x);
+    const Rgb fresh = glm::max(fresh_(x, y), Rgb{0.0F});
+    shown[i] = fresh;
+    if (warp_ && before.reads.known[i] != Known::Nothing) {
+      const Bounds bounds = around(x, y);
+      const Rgb held = glm::clamp(before.roots[i].rgb(), bounds.low, bounds.high);
+      now_.frames(x, y) = std::min(frames(before, x, y) + 1.0F, config_.most_frames);
+      shown[i] = glm::mix(held * held, fresh, 1.0F / now_.frames(x, y));
+    }
+    now_.roots(x, y) = Texel(glm::sqrt(shown[i]));
+  }
+}
+
+PictureJoin::Row PictureJoin::read(int y) const {
+  const auto width = static_cast<std::size_t>(fresh_.width());
+  std::vector<float> inverse_depth(width);
+  for (std::size_t i = 0; i < width; ++i) inverse_depth[i] = nearest(static_cast<int>(i), y);
+  RowPlaces places;
+  warp_->row(y, inverse_depth, places);
+  for (float& w : places.inverse_depth) w = std::min(w, 0.0F);  // negative: behind the eye then
+  Row row;
+  judge_places({anything_}, places, row.reads);
+  row.roots.resize(width);
+  read_row(row.reads, last_->roots, row.roots);
+  return row;
+}
+
+/// Of the cell that was there, by its size.
+float PictureJoin::frames(const Row& row, int x, int y) const {
+  const int then = row.reads.within[static_cast<std::size_t>(x)];
+  const int width = last_->frames.width();
+  const int then_x = then % width, then_y = then / width;
+  return last_->frames(then_x, then_y) * worth(areas_now_.at(x, y), areas_then_.at(then_x, then_y));
+}
+
+/// The surface in front moves edges.
+float PictureJoin::nearest(int x, int y) const {
+  float most = 0.0F;
+  for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, fresh_.height() - 1); ++ny) {
+    for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, fresh_.width() - 1); ++nx) {
+      most = std::max(most, inverse_depth_(nx, ny));
+    }
+  }
+  return most;
+}
+
+PictureJoin::Bounds PictureJoin::around(int x, int y) const {
+  Vec3 sum{0.0F}, square{0.0F};
+  float count = 0.0F;
+  for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, fresh_.height() - 1); ++ny) {
+    for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, fresh_.width() - 1); ++nx) {
+      const Vec3 root = fresh_roots_(nx, ny).rgb();
+      sum += root, square += root * root, count += 1.0F;
+    }
+  }
+  const Vec3 mean = sum / count;
+  const Vec3 off =
+      config_.deviations * glm::sqrt(glm::max(square / count - mean * mean, Vec3{0.0F}));
+  return {mean - off, mean + off};
+}
+
+}  // namespace macula::reconstruction
