@@ -11,6 +11,9 @@ namespace {
 constexpr double kTurns = 2.5;
 constexpr double kUsedShare = 0.85;  ///< of the link: what is measured is never quite there
 constexpr double kLeastTime_ms = 5.0, kMostTime_ms = 50.0;
+/// Of what a frame takes without the link: a goal that this misses is not met by sending less, and
+/// on a busy machine an acknowledgement alone takes longer than kLeastTime_ms.
+constexpr double kLeastShare = 0.1;
 /// A whole, still H.264 frame at the coarsest quantisers has about so many bytes a cell.
 constexpr double kTooFew_bytes_per_cell = 0.006, kPlenty_bytes_per_cell = 0.02;
 constexpr double kStep = 0.8;   ///< of the scale, down or up
@@ -38,8 +41,9 @@ void ByteBudget::on_encoded(const EncodedSize& size) {
 
 double ByteBudget::bytes_a_frame(const LinkState& link) const {
   const double fixed_ms = work_ms_ + units::to_ms(link.least_rtt + link.clients_own);
+  const double least_ms = std::clamp(kLeastShare * fixed_ms, kLeastTime_ms, kMostTime_ms);
   const double time_ms =
-      std::clamp((units::to_ms(*goal_) - fixed_ms) / kTurns, kLeastTime_ms, kMostTime_ms);
+      std::clamp((units::to_ms(*goal_) - fixed_ms) / kTurns, least_ms, kMostTime_ms);
   return kUsedShare * *link.bytes_per_s * 1e-3 * time_ms;
 }
 

@@ -179,6 +179,26 @@ TEST(ByteBudget, SmallFramesOnAFastLinkComeAtTheDisplaysRate) {
   EXPECT_LT(plan.least_interval, units::from_ms(1.0));
 }
 
+// A busy machine acknowledges late: of small frames that looks like a slow link.
+double bytes_after_a_while(Nanoseconds work) {
+  constexpr double kLink = 100 * kMbit, kLate_s = 8e-3;
+  ByteBudget budget(100ms);
+  double bytes = 5000.0;
+  for (int frame = 0; frame < 100; ++frame) {
+    const auto size = static_cast<std::size_t>(bytes);
+    budget.on_encoded({size, size / 10, 100'000, 1, work});
+    const double seems = bytes / (kLate_s + bytes / kLink);
+    const BytePlan plan =
+        budget.plan({seems, units::from_ms(1.0), units::from_ms(30.0)}, at_ms(250.0 * frame));
+    bytes = static_cast<double>(plan.color_bytes);
+  }
+  return bytes;
+}
+TEST(ByteBudget, AServerSlowerThanTheGoalStillUsesAFastLink) {
+  EXPECT_GT(bytes_after_a_while(250ms), 150e3);
+  EXPECT_LT(bytes_after_a_while(65ms), 10e3) << "twin: five milliseconds of what seems slow";
+}
+
 TEST(ByteBudget, FromAHundredToTwoMbitAgesStayWithinTwiceTheGoalAndRecover) {
   Play play(100ms);
   play.run(5000);
