@@ -1,5 +1,6 @@
 #include "server/session/error_estimate.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/session/view_builder.h"
@@ -42,6 +43,7 @@ HalfPicture render_half(const kernels::Kernel& kernel, const kernels::SceneFrame
 std::optional<double> half_picture_difference(const kernels::Kernel& kernel,
                                               const kernels::SceneFrame& scene,
                                               const FrameToJudge& frame,
+                                              const image::Plane<Rgb>& shown,
                                               kernels::TileScheduler& scheduler) {
   const HalfPicture a = render_half(kernel, scene, frame, kFiner, frame.seed, scheduler);
   const HalfPicture b =
@@ -54,15 +56,20 @@ std::optional<double> half_picture_difference(const kernels::Kernel& kernel,
       const Vec2 at = cells.tangent(x, y), size = cells.footprint(x, y);
       const auto in_a = a.grid.locate(at), in_b = b.grid.locate(at);
       if (!in_a || !in_b) continue;
-      const Rgb off = image::display_linear(frame.view.tone, image::bilinear(a.radiance, *in_a)) -
-                      image::display_linear(frame.view.tone, image::bilinear(b.radiance, *in_b));
+      const auto display = [&](const Rgb& radiance) {
+        return image::display_linear(frame.view.tone, radiance);
+      };
+      const Rgb own = display(shown(x, y));
+      const Rgb from_a = own - display(image::bilinear(a.radiance, *in_a));
+      const Rgb from_b = own - display(image::bilinear(b.radiance, *in_b));
       const Radians e = foveation::eccentricity(frame.view.gaze.direction, cells.ray(x, y));
       const double weight = metrics::acuity_weight(e) * static_cast<double>(size.x * size.y);
-      sum += weight * static_cast<double>(glm::dot(off, off)) / 3.0;
+      // |s - a|^2 + |s - b|^2 - |a - b|^2 = 2 (s - a) (s - b)
+      sum += weight * static_cast<double>(glm::dot(from_a, from_b)) / 3.0;
       weights += weight;
     }
   }
-  return weights > 0.0 ? std::sqrt(0.5 * sum / weights) : 0.0;
+  return weights > 0.0 ? std::sqrt(std::max(sum, 0.0) / weights) : 0.0;
 }
 
 }  // namespace macula::session

@@ -44,7 +44,7 @@ void RenderStage::judge(FrameJob& job, const kernels::Kernel& kernel,
                                                     .guard_band = policy.guard_band},
                                                    job.start.key.frame,
                                                    config_.seed},
-                                                  *scheduler_);
+                                                  job.buffers.views.front().radiance, *scheduler_);
   if (difference) job.estimated_rmse = job.start.quality.rmse_per_difference * *difference;
 }
 

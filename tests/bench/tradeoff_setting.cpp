@@ -306,11 +306,11 @@ Result<TradeoffRow> TradeoffSetting::measure(const FrameSettings& settings) cons
   row.flicker = meter.rms();
   row.half_difference = std::numeric_limits<double>::quiet_NaN();
   if (settings.grid == FrameGrid::Foveal) {
-    row.half_difference =
-        session::half_picture_difference(
-            **kernel, *job_.scene,
-            {view, job_.display, settings.scale, settings.model, kGrid, frame, 1}, scheduler_)
-            .value_or(row.half_difference);
+    row.half_difference = session::half_picture_difference(
+                              **kernel, *job_.scene,
+                              {view, job_.display, settings.scale, settings.model, kGrid, frame, 1},
+                              out.views.front().radiance, scheduler_)
+                              .value_or(row.half_difference);
   }
   return row;
 }
