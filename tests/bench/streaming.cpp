@@ -24,6 +24,7 @@
 #include "tests/bench/report.h"
 #include "tests/bench/streaming_link.h"
 #include "tests/bench/streaming_viewer.h"
+#include "tests/support/temporary_folder.h"
 
 namespace macula::bench {
 namespace {
@@ -35,23 +36,6 @@ foveation::Display display_of(const StreamingOptions& options) {
   return {math::symmetric_fov(Degrees{options.vertical_fov_deg}, aspect), options.width_px,
           options.height_px};
 }
-
-/// A folder of keys that is gone afterwards.
-class KeyFolder {
- public:
-  KeyFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "macula-bench-XXXXXX").string();
-    if (::mkdtemp(name.data()) != nullptr) path_ = name;
-  }
-  ~KeyFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
 
 /// What is streamed: a kernel, the scene it needs, and the pattern where it is one.
 struct Source {
@@ -438,7 +422,7 @@ Result<pose::TraceSource> make_poses(const StreamingOptions& options) {
 
 Result<Fields> run_link(const StreamingOptions& options, const Source& source,
                         const StreamingLink& link) {
-  const KeyFolder keys;
+  const test::TemporaryFolder keys;
   const base::SteadyClock clock;
   auto poses = make_poses(options);
   if (!poses) return forward(poses);

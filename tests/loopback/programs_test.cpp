@@ -1,15 +1,14 @@
 // The two built programs with key folders of their own, as on two machines: strangers, pairing, a
 // stream, revocation.
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "tests/support/child_program.h"
 #include "tests/support/measured_program.h"
+#include "tests/support/temporary_folder.h"
 
 namespace macula::test {
 namespace {
@@ -24,20 +23,14 @@ std::string word_after(const std::string& line, const std::string& prefix,
 class TwoMachines : public testing::Test {
  protected:
   TwoMachines() {
-    std::string pattern = testing::TempDir() + "macula_programs_XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
     server_ = std::make_unique<ChildProgram>(
         MACULA_SERVER_PROGRAM,
         std::vector<std::string>{"--scene", "cornell", "--bind", "tcp://127.0.0.1:0", "--keys",
                                  server_keys()});
     endpoint_ = word_after(server_->wait_for("ready on "), "ready on ");
   }
-  ~TwoMachines() override {
-    server_.reset();
-    std::filesystem::remove_all(folder_);
-  }
-  std::string server_keys() const { return folder_ + "/server"; }
-  std::string client_keys() const { return folder_ + "/client"; }
+  std::string server_keys() const { return folder_.path() + "/server"; }
+  std::string client_keys() const { return folder_.path() + "/client"; }
 
   MeasuredRun client(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), MACULA_CLIENT_PROGRAM);
@@ -46,7 +39,7 @@ class TwoMachines : public testing::Test {
   }
   MeasuredRun stream() const {
     return client({"--connect", endpoint_, "--display", "headless", "--size", "64x64", "--frames",
-                   "3", "--connect-patience", "4", "--out", folder_ + "/out"});
+                   "3", "--connect-patience", "4", "--out", folder_.path() + "/out"});
   }
   MeasuredRun clients(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), {MACULA_SERVER_PROGRAM, "clients"});
@@ -68,7 +61,8 @@ class TwoMachines : public testing::Test {
     return joined;
   }
 
-  std::string folder_, endpoint_;
+  const test::TemporaryFolder folder_;
+  std::string endpoint_;
   std::unique_ptr<ChildProgram> server_;
 };
 

@@ -4,10 +4,8 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <chrono>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -22,24 +20,13 @@
 #include "server/session/server.h"
 #include "shared/net/client_endpoint.h"
 #include "shared/net/keys.h"
+#include "tests/support/temporary_folder.h"
 
 namespace macula::loopback {
 
 using namespace std::chrono_literals;
 
-/// A folder that is gone after the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "macula-loopback-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
+using test::TemporaryFolder;
 
 struct LoopbackServerOptions {
   std::string bind = "tcp://127.0.0.1:0";

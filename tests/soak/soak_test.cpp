@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -21,6 +20,7 @@
 #include "tests/support/chaos_proxy.h"
 #include "tests/support/child_program.h"
 #include "tests/support/fault_table.h"
+#include "tests/support/temporary_folder.h"
 
 namespace macula::soak {
 namespace {
@@ -180,8 +180,6 @@ class Visitor {
 class Soak : public testing::Test {
  protected:
   Soak() {
-    std::string pattern = testing::TempDir() + "macula_soak_XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
     server_ = std::make_unique<ChildProgram>(
         MACULA_SERVER_PROGRAM,
         std::vector<std::string>{"--scene", "cornell", "--bind", "tcp://127.0.0.1:0", "--keys",
@@ -189,10 +187,6 @@ class Soak : public testing::Test {
     const std::string line = server_->wait_for("ready on ");
     endpoint_ = line.substr(9, line.find(' ', 9) - 9);
     server_->discard_output();
-  }
-  ~Soak() override {
-    server_.reset();
-    std::filesystem::remove_all(folder_);
   }
   /// Two visitors and their links, gone when it returns; every round has chances of its own.
   Visits soak(double lasts_s, Diary& diary) {
@@ -222,9 +216,11 @@ class Soak : public testing::Test {
   }
   ProcessSize size() const { return size_of(server_->pid(), seconds_since(begin_)); }
 
-  std::string folder_, endpoint_;
-  std::unique_ptr<ChildProgram> server_;
-  std::uint64_t seed_ = 1;  ///< of the visitor before
+  const test::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path();
+  std::string endpoint_;
+  std::unique_ptr<ChildProgram> server_;  ///< ends before its folder does
+  std::uint64_t seed_ = 1;                ///< of the visitor before
   Clock::time_point begin_ = Clock::now();
 };
 

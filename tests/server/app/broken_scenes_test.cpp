@@ -162,7 +162,7 @@ std::string crowd(const TemporaryFolder& folder, const std::string& node, int no
 }
 
 std::string linked_elsewhere(const TemporaryFolder& folder) {
-  std::filesystem::create_symlink("/etc/passwd", folder.path() / "t.bin");
+  std::filesystem::create_symlink("/etc/passwd", folder.path() + "/t.bin");
   return folder.write("t.gltf", triangle_json());
 }
 
@@ -262,8 +262,8 @@ const Broken kBroken[] = {
      lie(kNode, R"("nodes":[{"mesh":0,"translation":[1e20,0,0]}])")},
     {"SceneIsAFolder", "not a regular file",
      [](const TemporaryFolder& folder) {
-       std::filesystem::create_directory(folder.path() / "d.gltf");
-       return (folder.path() / "d.gltf").string();
+       std::filesystem::create_directory(folder.path() + "/d.gltf");
+       return folder.path() + "/d.gltf";
      }},
     {"SideFileIsNoToml", "t.macula.toml", with_side_file("meters_per_unit = [")},
     {"SideFileHasAnUnknownKey", "meters_per_uint", with_side_file("meters_per_uint = 1.0")},
@@ -304,9 +304,8 @@ class BrokenScene : public testing::TestWithParam<Broken> {};
 TEST_P(BrokenScene, EndsWithTwoAndOneLineWithinItsLimits) {
   const TemporaryFolder folder;
   const std::string scene = GetParam().make(folder);
-  const test::MeasuredRun run =
-      test::run_measured({MACULA_SERVER_PROGRAM, "--explain", "--scene", scene, "--keys",
-                          (folder.path() / "k").string()});
+  const test::MeasuredRun run = test::run_measured(
+      {MACULA_SERVER_PROGRAM, "--explain", "--scene", scene, "--keys", folder.path() + "/k"});
   EXPECT_EQ(run.status, 2) << run.output;
   EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), 1) << run.output;
   EXPECT_NE(run.output.find(GetParam().says), std::string::npos) << run.output;
@@ -323,9 +322,9 @@ INSTANTIATE_TEST_SUITE_P(Each, BrokenScene, testing::ValuesIn(kBroken),
 
 TEST(BrokenScene, TheGoodTriangleThatTheyAreMadeOfIsRead) {
   const TemporaryFolder folder;
-  const auto run = test::run_measured({MACULA_SERVER_PROGRAM, "--explain", "--scene",
-                                       with_json(folder, triangle_json()), "--keys",
-                                       (folder.path() / "k").string()});
+  const auto run =
+      test::run_measured({MACULA_SERVER_PROGRAM, "--explain", "--scene",
+                          with_json(folder, triangle_json()), "--keys", folder.path() + "/k"});
   EXPECT_EQ(run.status, 0) << run.output;
   EXPECT_NE(run.output.find("1 triangles"), std::string::npos) << run.output;
 }

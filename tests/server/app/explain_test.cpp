@@ -26,8 +26,8 @@ struct Explained {
 
 Explained explain(const std::string& scene, std::vector<std::string> more = {}) {
   const TemporaryFolder keys;
-  std::vector<std::string> arguments{MACULA_SERVER_PROGRAM, "--explain", "--scene", scene, "--keys",
-                                     keys.path().string()};
+  std::vector<std::string> arguments{
+      MACULA_SERVER_PROGRAM, "--explain", "--scene", scene, "--keys", keys.path()};
   arguments.insert(arguments.end(), more.begin(), more.end());
   Explained explained{test::run_measured(arguments), {}, {}};
   std::istringstream lines(explained.run.output);
@@ -55,8 +55,8 @@ struct OwnScene {
   std::string write(const TemporaryFolder& folder) const {
     folder.write("t.bin", scene::test::triangle_bytes());
     folder.write("own.macula.toml", side);
-    EXPECT_TRUE(image::write_png((folder.path() / "a.png").string(),
-                                 image::Plane<Rgb8>(2, 2, Rgb8{9, 9, 9})));
+    EXPECT_TRUE(
+        image::write_png(folder.path() + "/a.png", image::Plane<Rgb8>(2, 2, Rgb8{9, 9, 9})));
     return folder.write("own.gltf",
                         replaced(scene::test::triangle_json(), kPaint, material + more));
   }

@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <csignal>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "tests/support/child_program.h"
+#include "tests/support/temporary_folder.h"
 
 namespace {
 
@@ -31,15 +31,11 @@ long lines_of(const std::string& text) {
 
 class ServerProgram : public testing::Test {
  protected:
-  ServerProgram() {
-    std::string pattern = testing::TempDir() + "macula_keys_XXXXXX";
-    keys_ = mkdtemp(pattern.data());
-  }
-  ~ServerProgram() override { std::filesystem::remove_all(keys_); }
   std::vector<std::string> serving(const std::string& bind = "tcp://127.0.0.1:0") const {
     return {"--scene", "cornell", "--bind", bind, "--keys", keys_, "--threads", "1"};
   }
-  std::string keys_;
+  const macula::test::TemporaryFolder folder_;
+  const std::string keys_ = folder_.path();
 };
 
 void expect_bad_input(const std::vector<std::string>& arguments, const std::string& mentions) {

@@ -57,7 +57,7 @@ kind = "directional"
 
 TEST(SideFile, NoFileIsAnEmptySideFile) {
   const TemporaryFolder folder;
-  const auto side = read_side_file(folder.path() / "none.macula.toml");
+  const auto side = read_side_file(folder.path() + "/none.macula.toml");
   ASSERT_TRUE(side);
   EXPECT_FALSE(side->meters_per_unit || side->scene_from_stage || side->exposure_ev ||
                side->ambient);

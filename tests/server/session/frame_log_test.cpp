@@ -1,8 +1,8 @@
 #include "server/session/frame_log.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -35,21 +35,15 @@ net::FrameSent sent(std::uint64_t frame, bool lost = false) {
 
 class FrameLogTest : public testing::Test {
  protected:
-  FrameLogTest() {
-    std::string name = testing::TempDir() + "macula-frame-log-XXXXXX";
-    folder_ = std::string(::mkdtemp(name.data())) + "/made/here";
-    log_ = std::move(*FrameLog::create(folder_));
-  }
-  ~FrameLogTest() override {
-    std::filesystem::remove_all(std::filesystem::path(folder_).parent_path().parent_path());
-  }
+  FrameLogTest() { log_ = std::move(*FrameLog::create(folder_)); }
   std::string text_of(const std::string& name) const {
     std::ostringstream text;
     text << std::ifstream(folder_ + "/" + name).rdbuf();
     return text.str();
   }
 
-  std::string folder_;
+  const test::TemporaryFolder parent_;
+  const std::string folder_ = parent_.path() + "/made/here";
   std::unique_ptr<FrameLog> log_;
 };
 

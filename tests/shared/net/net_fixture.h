@@ -3,7 +3,6 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <filesystem>
@@ -15,24 +14,13 @@
 #include "shared/net/client_endpoint.h"
 #include "shared/net/keys.h"
 #include "shared/net/server_endpoint.h"
+#include "tests/support/temporary_folder.h"
 
 namespace macula::net {
 
 using namespace std::chrono_literals;
 
-/// A folder that is gone after the test.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "macula-net-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  const std::string& path() const { return path_; }
-
- private:
-  std::string path_;
-};
+using test::TemporaryFolder;
 
 /// Of this process.
 inline int open_descriptors() {
