@@ -23,6 +23,9 @@ namespace macula::net {
 
 inline constexpr std::uint32_t kProtocolVersion = 1;
 
+/// Ability of clients that decode and draw layer 1 of frames.
+inline constexpr const char* kHiddenLayerAbility = "hidden_layer";
+
 using ResumeToken = std::array<std::byte, 16>;
 
 struct Settings {
@@ -109,23 +112,35 @@ struct FrameView {
   image::Tone tone;
   float depth_inverse_scale_per_m = 0.0F;    ///< a depth sample of 65535 means this inverse depth
   std::vector<std::uint8_t> depth_residual;  ///< per 8x8 block; see codec::DepthPlane
+  float hidden_depth_inverse_scale_per_m = 0.0F;  ///< the same of layer 1
 };
 
-enum class PlaneKind : std::uint8_t { Color, Depth };
-enum class SliceCodec : std::uint8_t { Jpeg, Lossless, H264, InverseDepth };
+enum class PlaneKind : std::uint8_t { Color, Depth, Mask };
+enum class SliceCodec : std::uint8_t { Jpeg, Lossless, H264, InverseDepth, BandMask };
 
-/// One entry of the slice directory. The payload travels in parts of at most max_part_bytes.
+/// One entry of the slice directory. The payload travels in parts of at most max_part_bytes. Layer
+/// 0 is what is seen. Layer 1, what that hides around silhouettes, comes whole or not at all: its
+/// mask, then its colours, an atlas of the mask's tiles at (0, 0), then its depth.
 struct SliceEntry {
   std::uint32_t eye = 0, layer = 0;
   PlaneKind plane = PlaneKind::Color;
   SliceCodec codec = SliceCodec::Jpeg;
-  image::Rect rect;  ///< in cells of the eye's grid
+  image::Rect rect;  ///< in cells of the eye's grid; colour of layer 1: of the atlas
   std::uint32_t size_bytes = 0;
 };
 
 struct InstanceMotion {
   std::uint32_t instance = 0;
   Pose stage_from_before;
+};
+
+/// What the server's governor chose for a frame.
+struct FrameQuality {
+  double scale = 1.0;                    ///< of the periphery's resolution, (0, 1]
+  int depth_divisor = 1;                 ///< one depth sample for so many cells each way
+  std::uint64_t color_budget_bytes = 0;  ///< 0: not bounded
+  bool stateless_color = false;          ///< no frame leans on another: the link loses too many
+  double kernel = 10.0;                  ///< on the kernel's own ladder, 0 to 10; 10: the best
 };
 
 struct FrameBegin {
@@ -135,6 +150,8 @@ struct FrameBegin {
   ClientTime view_sampled{}, view_predicted_display{}, gaze_sampled{};
   Nanoseconds horizon{0};  ///< how far ahead of the view state the pose was predicted
   Radians guard_band{0.0};
+  double view_cell_m = 0.0;  ///< how far eyes may move for layer 1 to hold; 0: no such layer
+  FrameQuality quality;
   std::vector<FrameView> views;
   std::string kernel, config;
   std::uint64_t seed = 0;
@@ -154,6 +171,7 @@ struct FrameEnd {
   ServerTime view_received{};  ///< when the net thread woke for the view state
   ServerTime render_begin{}, render_end{}, encode_begin{}, encode_end{};
   std::uint64_t rays = 0, cells = 0;
+  std::uint64_t hidden_cells = 0;  ///< of layer 1
 };
 
 using Payload = std::shared_ptr<const std::vector<std::byte>>;

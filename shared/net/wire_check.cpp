@@ -67,11 +67,35 @@ Result<void> check_view(const FrameView& view, const std::string& where, const L
   if (!(std::abs(view.tone.exposure_ev) <= kMostExposure_ev)) {
     return bad_input(concat(view.tone.exposure_ev), where + ".tone.exposure_ev", "within +-64");
   }
-  if (!std::isfinite(view.depth_inverse_scale_per_m) || view.depth_inverse_scale_per_m < 0.0F) {
-    return bad_input(concat(view.depth_inverse_scale_per_m), where + ".depth_inverse_scale_per_m",
-                     "finite, not negative");
+  for (const float scale :
+       {view.depth_inverse_scale_per_m, view.hidden_depth_inverse_scale_per_m}) {
+    if (!std::isfinite(scale) || scale < 0.0F) {
+      return bad_input(concat(scale), where + ".depth_inverse_scale_per_m", "finite, not negative");
+    }
   }
   return {};
+}
+
+/// The plane a codec is for.
+PlaneKind plane_of(SliceCodec codec) {
+  switch (codec) {
+    case SliceCodec::InverseDepth:
+      return PlaneKind::Depth;
+    case SliceCodec::BandMask:
+      return PlaneKind::Mask;
+    default:
+      return PlaneKind::Color;
+  }
+}
+
+/// What a slice's rectangle must lie in: the grid, or for an atlas whole tiles of it.
+image::Rect bounds_of(const SliceEntry& slice, const PixelGrid& grid) {
+  const bool is_atlas = slice.layer > 0 && slice.plane == PlaneKind::Color;
+  constexpr int kTile = 16;
+  const auto side = [&](int cells) {
+    return is_atlas ? (cells + kTile - 1) / kTile * kTile : cells;
+  };
+  return {0, 0, side(grid.width()), side(grid.height())};
 }
 
 Result<void> check_slice(const SliceEntry& slice, const std::string& where,
@@ -81,15 +105,13 @@ Result<void> check_slice(const SliceEntry& slice, const std::string& where,
     return bad_input(concat("eye ", slice.eye, ", layer ", slice.layer), where,
                      concat("one of ", begin.views.size(), " views, layers 0..2"));
   }
-  const bool codec_is_depth = slice.codec == SliceCodec::InverseDepth;
-  if (codec_is_depth != (slice.plane == PlaneKind::Depth)) {
-    return bad_input("a codec of the other plane", where);
-  }
+  if (plane_of(slice.codec) != slice.plane) return bad_input("a codec of another plane", where);
   const bool is_known = begin.views[slice.eye].grid_frame == 0;
   const PixelGrid& grid = begin.views[slice.eye].grid;
   const image::Rect& rect = slice.rect;
+  const image::Rect bounds = is_known ? bounds_of(slice, grid) : image::Rect{};
   if (is_known && (rect.x < 0 || rect.y < 0 || rect.width < 1 || rect.height < 1 ||
-                   rect.width > grid.width() - rect.x || rect.height > grid.height() - rect.y)) {
+                   rect.width > bounds.width - rect.x || rect.height > bounds.height - rect.y)) {
     return bad_input(concat(rect.width, "x", rect.height, "+", rect.x, "+", rect.y),
                      where + ".rect",
                      concat("inside the grid of ", grid.width(), "x", grid.height(), " cells"));
@@ -173,6 +195,10 @@ Result<void> check_frame_begin(const FrameBegin& begin, const Limits& limits) {
   const double guard = begin.guard_band.value();
   if (!(guard >= 0.0 && guard < kMostGuardBand_rad)) {
     return bad_input(concat(guard), "frame_begin.guard_band_rad", "0..1.57");
+  }
+  constexpr double kMostViewCell_m = 10.0;
+  if (!(begin.view_cell_m >= 0.0 && begin.view_cell_m <= kMostViewCell_m)) {
+    return bad_input(concat(begin.view_cell_m), "frame_begin.view_cell_m", "0..10");
   }
   if (auto checked = check_views(begin, limits); !checked) return checked;
   for (const InstanceMotion& motion : begin.motions) {

@@ -1,5 +1,7 @@
 #include <macula/v1/frame.pb.h>
 
+#include <algorithm>
+
 #include "shared/base/text.h"
 #include "shared/net/wire.h"
 #include "shared/net/wire_parts.h"
@@ -16,6 +18,7 @@ void write_view(const FrameView& view, v1::FrameView& out) {
   write(view.tone, *out.mutable_tone());
   out.set_depth_inverse_scale_per_m(view.depth_inverse_scale_per_m);
   out.set_depth_residual(view.depth_residual.data(), view.depth_residual.size());
+  out.set_hidden_depth_inverse_scale_per_m(view.hidden_depth_inverse_scale_per_m);
 }
 
 Result<FrameView> read_view(const v1::FrameView& in) {
@@ -29,6 +32,7 @@ Result<FrameView> read_view(const v1::FrameView& in) {
   if (view.grid_frame == 0) view.grid = read(in.grid());
   view.tone = *tone;
   view.depth_inverse_scale_per_m = in.depth_inverse_scale_per_m();
+  view.hidden_depth_inverse_scale_per_m = in.hidden_depth_inverse_scale_per_m();
   view.depth_residual.assign(in.depth_residual().begin(), in.depth_residual().end());
   return view;
 }
@@ -76,6 +80,26 @@ Result<void> check_counts(const v1::FrameBegin& in, const Limits& limits) {
   return {};
 }
 
+void write_quality(const FrameQuality& quality, v1::Quality& out) {
+  out.set_scale(quality.scale);
+  out.set_depth_divisor(static_cast<std::uint32_t>(quality.depth_divisor));
+  out.set_color_budget_bytes(quality.color_budget_bytes);
+  out.set_stateless_color(quality.stateless_color);
+  out.set_kernel(quality.kernel);
+}
+
+/// For people to read; servers before it said nothing: full quality.
+FrameQuality read_quality(const v1::FrameBegin& in) {
+  FrameQuality quality;
+  if (!in.has_quality()) return quality;
+  quality.scale = in.quality().scale();
+  quality.depth_divisor = static_cast<int>(std::min(in.quality().depth_divisor(), 255U));
+  quality.color_budget_bytes = in.quality().color_budget_bytes();
+  quality.stateless_color = in.quality().stateless_color();
+  quality.kernel = in.quality().kernel();
+  return quality;
+}
+
 void write_times(const FrameBegin& begin, v1::FrameBegin& out) {
   out.set_view_sampled_client_ns(ns_of(begin.view_sampled));
   out.set_view_predicted_display_client_ns(ns_of(begin.view_predicted_display));
@@ -101,6 +125,8 @@ void read_scalars(const v1::FrameBegin& in, FrameBegin& begin) {
   begin.frame = in.frame();
   begin.view_sequence = in.view_sequence();
   begin.guard_band = Radians{in.guard_band_rad()};
+  begin.view_cell_m = in.view_cell_m();
+  begin.quality = read_quality(in);
   begin.kernel = in.kernel();
   begin.config = in.config();
   begin.seed = in.seed();
@@ -118,6 +144,8 @@ void write(const FrameBegin& begin, v1::FrameBegin& out) {
   out.set_view_sequence(begin.view_sequence);
   write_times(begin, out);
   out.set_guard_band_rad(begin.guard_band.value());
+  out.set_view_cell_m(begin.view_cell_m);
+  write_quality(begin.quality, *out.mutable_quality());
   for (const FrameView& view : begin.views) write_view(view, *out.add_views());
   out.set_kernel(begin.kernel);
   out.set_config(begin.config);
@@ -177,6 +205,7 @@ void write(const FrameEnd& end, v1::FrameEnd& out) {
   out.set_encode_end_server_ns(ns_of(end.encode_end));
   out.set_rays(end.rays);
   out.set_cells(end.cells);
+  out.set_hidden_cells(end.hidden_cells);
 }
 
 Result<FrameEnd> read(const v1::FrameEnd& in) {
@@ -188,7 +217,8 @@ Result<FrameEnd> read(const v1::FrameEnd& in) {
                      server_time(in.encode_begin_server_ns()),
                      server_time(in.encode_end_server_ns()),
                      in.rays(),
-                     in.cells()};
+                     in.cells(),
+                     in.hidden_cells()};
   for (const ServerTime time :
        {end.view_received, end.render_begin, end.render_end, end.encode_begin, end.encode_end}) {
     if (!is_plausible(time)) return base::bad_input("time beyond 73 years", "frame_end");
@@ -196,7 +226,7 @@ Result<FrameEnd> read(const v1::FrameEnd& in) {
   return end;
 }
 
-static_assert(static_cast<int>(SliceCodec::InverseDepth) == v1::SliceEntry::CODEC_INVERSE_DEPTH);
-static_assert(static_cast<int>(PlaneKind::Depth) == v1::SliceEntry::PLANE_DEPTH);
+static_assert(static_cast<int>(SliceCodec::BandMask) == v1::SliceEntry::CODEC_BAND_MASK);
+static_assert(static_cast<int>(PlaneKind::Mask) == v1::SliceEntry::PLANE_MASK);
 
 }  // namespace macula::net::wire

@@ -55,6 +55,9 @@ class RandomMessages {
     begin.gaze_sampled = client_time();
     begin.horizon = Nanoseconds{static_cast<std::int64_t>(u32())};
     begin.guard_band = Radians{real(0.0, 1.0)};
+    begin.view_cell_m = real(0.0, 0.1);
+    begin.quality = {real(0.4, 1.0), 1 << (random_() % 4), random_() % 100000, random_() % 2 == 0,
+                     real(0, 10)};
     begin.views = {frame_view(), frame_view()};
     begin.kernel = text();
     begin.config = text();
@@ -78,7 +81,7 @@ class RandomMessages {
   SliceHeader slice() { return {u32(), random_(), u32(), u32()}; }
   FrameEnd frame_end() {
     return {u32(),         random_(),     server_time(), server_time(), server_time(),
-            server_time(), server_time(), random_(),     random_()};
+            server_time(), server_time(), random_(),     random_(),     random_()};
   }
   Ping ping() { return {random_(), client_time()}; }
   Pong pong() { return {random_(), client_time(), server_time(), server_time()}; }
@@ -139,6 +142,7 @@ class RandomMessages {
     view.tone = {static_cast<float>(real(-4, 4)),
                  random_() % 2 == 0 ? image::ToneCurve::Linear : image::ToneCurve::Filmic};
     view.depth_inverse_scale_per_m = static_cast<float>(real(0.1, 20));
+    view.hidden_depth_inverse_scale_per_m = static_cast<float>(real(0.1, 20));
     view.depth_residual.resize(6 * 5);
     for (std::uint8_t& residual : view.depth_residual)
       residual = static_cast<std::uint8_t>(random_());

@@ -197,6 +197,26 @@ TEST(Wire, FrameBeginsBeyondTheLimitsAreRefusedByName) {
   EXPECT_TRUE(names(refusal_of([](FrameBegin& b) { b.views[0].depth_inverse_scale_per_m = NAN; }),
                     "depth"));
   EXPECT_TRUE(names(refusal_of([](FrameBegin& b) { b.guard_band = Radians{-1.0}; }), "guard_band"));
+  EXPECT_TRUE(names(refusal_of([](FrameBegin& b) { b.view_cell_m = NAN; }), "view_cell"));
+  EXPECT_TRUE(names(refusal_of([](FrameBegin& b) {
+                      b.slices[0].plane = PlaneKind::Mask;  // of a codec of colour or depth
+                    }),
+                    "plane"));
+}
+
+// An atlas is made of whole tiles of 16 cells; the grid's last row of tiles reaches over its edge.
+TEST(Wire, AnAtlasLiesWithinWholeTilesOfItsGrid) {
+  const auto refuses = [](const image::Rect& rect, std::uint32_t layer) {
+    return !refusal_of([&](FrameBegin& b) {
+              b.slices[0].layer = layer;
+              b.slices[0].rect = rect;
+            }).empty();
+  };
+  EXPECT_FALSE(refuses({0, 0, 48, 48}, 1));
+  EXPECT_TRUE(refuses({0, 0, 48, 48}, 0)) << "a picture of 48 x 36 cells";
+  EXPECT_TRUE(refuses({0, 0, 64, 48}, 1));
+  EXPECT_TRUE(refuses({0, 0, 48, 49}, 1));
+  EXPECT_TRUE(refuses({0, 0, 48, 0}, 1));
 }
 
 TEST(Wire, TheDirectorysSumIsHeldToTheFrameLimit) {
