@@ -162,7 +162,10 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   config.views.fovea_oversampling = options.oversampling;
   config.views.guard_band = Degrees{options.guard_deg};
   config.rules.longest_horizon = units::from_ms(options.predict_ms);
-  if (options.predict_ms > 0.0) config.rules.most_guard_band = Degrees{15.0};
+  if (options.predict_ms > 0.0) {
+    config.rules.most_guard_band = Degrees{15.0};
+    config.rules.most_view_cell_m = 0.01 * options.view_cell_cm;
+  }
   config.jpeg_quality = options.color_quality;
   config.ladder = ladder.steps, config.ladder_kernels = ladder.kernels;
   config.quality = options.quality, config.most_rmse = options.max_error;

@@ -62,6 +62,10 @@ void declare(CLI::App& app, Options& options) {
                  "Render at most this far ahead of the head, for as long as frames take, 0 to 200; "
                  "0 also keeps the guard band as it is set")
       ->capture_default_str();
+  app.add_option("--view-cell-cm", options.view_cell_cm,
+                 "With --predict-ms: also send what near surfaces hide along their outlines, for "
+                 "eyes that move up to so far until a frame is seen, 0 to 20; 0: do not")
+      ->capture_default_str();
   app.add_option("--age-ms", options.age_ms,
                  "How old a frame may be when it is shown: slower links get fewer bytes, ms; 0 = "
                  "full quality on any link")
@@ -178,6 +182,7 @@ Result<void> check_options(const Options& o) {
   if (!(o.guard_deg >= 0.0 && o.guard_deg <= 15.0))
     return base::bad_input(base::concat("is ", o.guard_deg), "--guard-deg", "0 to 15");
   if (auto ok = in_range("--predict-ms", o.predict_ms, 0.0, 200.0); !ok) return ok;
+  if (auto ok = in_range("--view-cell-cm", o.view_cell_cm, 0.0, 20.0); !ok) return ok;
   if (o.age_ms != 0.0)
     if (auto ok = in_range("--age-ms", o.age_ms, 20.0, 10'000.0); !ok) return ok;
   if (o.codec != "auto" && o.codec != "jpeg" && o.codec != "h264" && o.codec != "lossless")
@@ -205,10 +210,10 @@ std::string describe(const Options& o) {
   if (o.max_error) text << "max_error = " << *o.max_error << '\n';
   text << "rate_model = " << quoted(o.rate_model) << "\noversampling = " << o.oversampling
        << "\nguard_deg = " << o.guard_deg << "\npredict_ms = " << o.predict_ms
-       << "\nage_ms = " << o.age_ms << "\ncolor_quality = " << o.color_quality
-       << "\ncodec = " << quoted(o.codec) << "\narea_samples = " << o.area_samples
-       << "\nambient_samples = " << o.ambient_samples << "\nthreads = " << o.threads
-       << "\nreuse = " << (o.reuse ? "true" : "false")
+       << "\nview_cell_cm = " << o.view_cell_cm << "\nage_ms = " << o.age_ms
+       << "\ncolor_quality = " << o.color_quality << "\ncodec = " << quoted(o.codec)
+       << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
+       << "\nthreads = " << o.threads << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
        << "\nmetrics = " << quoted(o.metrics) << "\nverbose = " << (o.verbose ? "true" : "false")
        << '\n';

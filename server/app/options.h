@@ -24,6 +24,7 @@ struct Options {
   double oversampling = 1.0;   ///< cells per display pixel at the gaze
   double guard_deg = 4.0;      ///< rendered beyond the display on every side, 0..15
   double predict_ms = 0.0;     ///< how far ahead of a view's head frames may be rendered; 0: not
+  double view_cell_cm = 5.0;   ///< how far eyes may move for the second layer; 0: no such layer
   double age_ms = 100.0;       ///< how old frames may be shown on a slow link; 0: any age
   int color_quality = 85;      ///< on JPEG's scale, 1..100
   std::string codec = "auto";  ///< auto, jpeg, h264 or lossless

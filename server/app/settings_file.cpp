@@ -68,6 +68,7 @@ constexpr std::array kKeys{
     Key{"oversampling", apply<&Options::oversampling>},
     Key{"guard_deg", apply<&Options::guard_deg>},
     Key{"predict_ms", apply<&Options::predict_ms>},
+    Key{"view_cell_cm", apply<&Options::view_cell_cm>},
     Key{"age_ms", apply<&Options::age_ms>},
     Key{"quality", apply<&Options::quality>},
     Key{"color_quality", apply<&Options::color_quality>},

@@ -31,6 +31,7 @@ struct ClientSetup {
   std::vector<foveation::Display> eyes;  ///< as Hello says; each view brings its current fov
   double refresh_hz = 72.0;
   net::Settings settings;
+  bool takes_hidden_layer = false;  ///< it can draw layer 1
 };
 
 /// Render a frame from this view now; what Session::start_frame answers.
@@ -40,8 +41,9 @@ struct StartFrame {
   net::ViewState view;
   ServerTime view_received{};
   std::shared_ptr<const ClientSetup> setup;
-  Nanoseconds horizon{0};   ///< how far the view's head was carried on from where it was read
-  Degrees guard_band{0.0};  ///< the least to render beyond the display
+  Nanoseconds horizon{0};    ///< how far the view's head was carried on from where it was read
+  Degrees guard_band{0.0};   ///< the least to render beyond the display
+  double view_cell_m = 0.0;  ///< how far eyes may move before it is seen; 0: no second layer
   std::vector<FollowedGaze>
       gazes{};  ///< by eye, for when the frame is seen; empty: as the view says
   Quality quality{};

@@ -33,7 +33,7 @@ double depth_at(double full_bytes, int divisor) {
 void ByteBudget::on_encoded(const EncodedSize& size) {
   const double ms = units::to_ms(size.work);
   work_ms_ = work_ms_ == 0.0 ? ms : work_ms_ + kSmoothing * (ms - work_ms_);
-  last_bytes_ = static_cast<double>(size.color_bytes + size.depth_bytes);
+  last_bytes_ = static_cast<double>(size.bytes());
   full_depth_bytes_ = static_cast<double>(size.depth_bytes) *
                       std::pow(kDepthShrinks, std::log2(static_cast<double>(size.depth_divisor)));
   cells_ = static_cast<double>(size.cells);

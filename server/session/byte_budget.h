@@ -22,7 +22,9 @@ struct LinkState {
 struct EncodedSize {
   std::size_t color_bytes = 0, depth_bytes = 0, cells = 0;  ///< over all eyes
   int depth_divisor = 1;
-  Nanoseconds work{0};  ///< from the view's arrival to the last byte encoded
+  Nanoseconds work{0};           ///< from the view's arrival to the last byte encoded
+  std::size_t hidden_bytes = 0;  ///< of the second layer, over all eyes
+  std::size_t bytes() const { return color_bytes + depth_bytes + hidden_bytes; }
 };
 
 struct BytePlan {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "server/session/hidden_share.h"
 #include "shared/codec/h264.h"
 #include "shared/foveation/pixel_grid.h"
 
@@ -14,6 +15,7 @@ struct EncodeMemory {
   struct Eye {
     std::unique_ptr<codec::H264Encoder> h264;  ///< made when first needed
     PixelGrid grid;                            ///< of the frame before
+    HiddenShare hidden;
   };
   std::vector<Eye> eyes;
   std::uint64_t last_frame = 0;  ///< encoded as H.264 and whole: what the next may lean on; 0: none

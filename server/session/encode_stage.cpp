@@ -40,6 +40,19 @@ net::FrameEnd frame_end(const FrameJob& job) {
   return end;
 }
 
+/// Whether the link carries what only serves to tell how exact the depth is: a byte for 8x8 cells.
+bool affords_residual(const FrameJob& job) {
+  constexpr double kMostShare = 0.05;
+  const std::size_t bound = job.start.quality.bytes.color_bytes;
+  return bound == 0 ||
+         static_cast<double>(job.cells) / 64.0 <= kMostShare * static_cast<double>(bound);
+}
+
+/// The second layer leans on no other frame, whatever the first one does.
+net::SliceCodec hidden_codec(net::SliceCodec seen) {
+  return seen == net::SliceCodec::Lossless ? seen : net::SliceCodec::Jpeg;
+}
+
 }  // namespace
 
 EncodeStage::Plan EncodeStage::plan(const FrameJob& job) const {
@@ -86,6 +99,7 @@ void EncodeStage::encode_h264(const FrameJob& job, const Plan& plan, std::size_t
     memory.h264 = std::move(*made);
   }
   codec::H264Encoder::FrameWish wish = plan.h264;
+  wish.most_bytes -= std::min(memory.hidden.last_bytes(), wish.most_bytes / 2);  // 0 bounds nothing
   if (memory.grid != view.grid) wish.burst = codec::H264Encoder::FrameWish::Burst::Yes;
   memory.grid = view.grid;
   const std::vector<float> offsets =
@@ -114,6 +128,24 @@ void EncodeStage::encode_color(const FrameJob& job, const Plan& plan, std::size_
   eye.color = codec::encode_color(eye.tone_mapped, eye.tone_mapped.rect(), options);
 }
 
+Result<void> EncodeStage::encode_hidden(const FrameJob& job, const Plan& plan, std::size_t index) {
+  Eye& eye = eyes_[index];
+  HiddenShare& share = job.encode_memory->eyes[index].hidden;
+  eye.hidden.reset();
+  if (!eye.color || !eye.depth) return {};
+  share.note_seen(eye.color->size() + eye.depth->bytes.size());
+  if (index >= job.hidden.size() || job.hidden[index].cells == 0) return {};
+  codec::ColorOptions options;
+  options.codec = hidden_codec(plan.codec) == net::SliceCodec::Lossless
+                      ? codec::ColorCodec::Lossless
+                      : codec::ColorCodec::Jpeg;
+  options.jpeg_quality = codec::hidden_jpeg_quality(plan.jpeg_quality);
+  auto coded = share.encode(job.hidden[index], job.views[index].tone, options);
+  if (!coded) return base::forward(coded);
+  eye.hidden = std::move(*coded);
+  return {};
+}
+
 void EncodeStage::encode_eye(const FrameJob& job, const Plan& plan, std::size_t index) {
   const Nanoseconds before = base::thread_cpu_time();
   const kernels::ViewBuffers& rendered = job.buffers.views[index];
@@ -122,9 +154,9 @@ void EncodeStage::encode_eye(const FrameJob& job, const Plan& plan, std::size_t 
   encode_color(job, plan, index);
   codec::DepthOptions depth;
   depth.divisor = job.start.quality.bytes.depth_divisor;
-  // A link that bounds bytes does not carry what no client reads yet.
-  if (job.start.quality.bytes.color_bytes > 0) depth.residual = codec::DepthOptions::Residual::No;
+  if (!affords_residual(job)) depth.residual = codec::DepthOptions::Residual::No;
   eye.depth = codec::encode_depth(rendered.depth_m, depth);
+  if (const auto done = encode_hidden(job, plan, index); !done) eye.color = base::forward(done);
   eye.cpu = base::thread_cpu_time() - before;
 }
 
@@ -139,6 +171,12 @@ net::FrameBegin EncodeStage::frame_begin(const FrameJob& job) const {
   begin.gaze_sampled = view.gaze_sampled;
   begin.horizon = job.start.horizon;
   begin.guard_band = job.guard_band;
+  const bool has_hidden = std::any_of(eyes_.begin(), eyes_.end(),
+                                      [](const Eye& eye) { return eye.hidden.has_value(); });
+  begin.view_cell_m = has_hidden ? job.start.view_cell_m : 0.0;
+  const Quality& quality = job.start.quality;
+  begin.quality = {quality.scale, quality.bytes.depth_divisor, quality.bytes.color_bytes,
+                   quality.color == Quality::Color::Stateless, quality.quality};
   begin.kernel = config_.offer.kernel;
   begin.config = config_.description;
   begin.seed = config_.seed;
@@ -168,13 +206,26 @@ void EncodeStage::append_eye(const FrameJob& job, const Plan& plan, std::size_t 
   frame.begin.slices.push_back(slice(index, net::PlaneKind::Depth, net::SliceCodec::InverseDepth,
                                      rect, eye.depth->bytes.size()));
   frame.payloads.push_back(as_payload(std::move(eye.depth->bytes)));
+  append_hidden(plan, index, frame);
 }
 
-/// The quality that would have met the bytes; JPEG's bytes double in about 20 steps.
-double next_jpeg_quality(double quality, double bytes, double wanted) {
-  constexpr double kStepsPerDouble = 20.0, kMostUp = 5.0, kMostDown = 25.0, kLeast = 10.0;
-  const double off = kStepsPerDouble * std::log2(wanted / std::max(bytes, 1.0));
-  return std::max(quality + std::clamp(off, -kMostDown, kMostUp), kLeast);
+void EncodeStage::append_hidden(const Plan& plan, std::size_t index, net::EncodedFrame& frame) {
+  Eye& eye = eyes_[index];
+  if (!eye.hidden) return;
+  codec::EncodedHiddenLayer& coded = eye.hidden->coded;
+  frame.begin.views[index].hidden_depth_inverse_scale_per_m = coded.depth.inverse_scale_per_m;
+  const image::Rect whole = eye.tone_mapped.rect();
+  const auto append = [&](net::PlaneKind plane, net::SliceCodec codec, const image::Rect& rect,
+                          std::vector<std::byte> bytes) {
+    net::SliceEntry entry = slice(index, plane, codec, rect, bytes.size());
+    entry.layer = 1;
+    frame.begin.slices.push_back(entry);
+    frame.payloads.push_back(as_payload(std::move(bytes)));
+  };
+  append(net::PlaneKind::Mask, net::SliceCodec::BandMask, whole, std::move(coded.mask));
+  append(net::PlaneKind::Color, hidden_codec(plan.codec), eye.hidden->atlas,
+         std::move(coded.color));
+  append(net::PlaneKind::Depth, net::SliceCodec::InverseDepth, whole, std::move(coded.depth.bytes));
 }
 
 void EncodeStage::remember(FrameJob& job, const Plan& plan, net::FrameBegin& begin) {
@@ -185,6 +236,8 @@ void EncodeStage::remember(FrameJob& job, const Plan& plan, net::FrameBegin& beg
     job.encode_cpu += eyes_[i].cpu;
     job.encoded.color_bytes += eyes_[i].color->size();
     job.encoded.depth_bytes += eyes_[i].depth->bytes.size();
+    if (!eyes_[i].hidden) continue;
+    job.encoded.hidden_bytes += eyes_[i].hidden->coded.bytes();
   }
   job.encoded.cells = job.cells;
   job.encoded.depth_divisor = job.start.quality.bytes.depth_divisor;
@@ -195,10 +248,13 @@ void EncodeStage::remember(FrameJob& job, const Plan& plan, net::FrameBegin& beg
   const auto bound = static_cast<double>(job.start.quality.bytes.color_bytes);
   const auto most = static_cast<double>(config_.jpeg_quality);
   memory.jpeg_quality =
-      bound > 0.0 ? std::min(next_jpeg_quality(plan.jpeg_quality,
-                                               static_cast<double>(job.encoded.color_bytes), bound),
-                             most)
-                  : 0.0;
+      bound > 0.0
+          ? std::min(
+                next_jpeg_quality(
+                    plan.jpeg_quality,
+                    static_cast<double>(job.encoded.color_bytes + job.encoded.hidden_bytes), bound),
+                most)
+          : 0.0;
 }
 
 Result<net::EncodedFrame> EncodeStage::encode(FrameJob& job) {
@@ -219,6 +275,9 @@ Result<net::EncodedFrame> EncodeStage::encode(FrameJob& job) {
   job.encode_end = ServerTime{clock_.now()};
   job.encoded.work = job.encode_end - job.start.view_received;
   frame.end = frame_end(job);
+  for (std::size_t index = 0; index < eyes_.size(); ++index) {
+    if (eyes_[index].hidden) frame.end.hidden_cells += eyes_[index].hidden->cells;
+  }
   return frame;
 }
 

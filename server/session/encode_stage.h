@@ -4,6 +4,7 @@
 // is idle.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "server/scheduling/tile_scheduler.h"
@@ -31,6 +32,7 @@ class EncodeStage {
     Result<codec::Bytes> color = codec::Bytes{};
     bool is_key = true;  ///< its colour leans on no other frame
     Result<codec::EncodedDepth> depth = codec::EncodedDepth{};
+    std::optional<HiddenShare::Coded> hidden;  ///< the second layer, where there is one
     Nanoseconds cpu{0};
   };
   /// What the eyes of one frame have in common.
@@ -43,8 +45,10 @@ class EncodeStage {
   Plan plan(const FrameJob& job) const;
   void encode_eye(const FrameJob& job, const Plan& plan, std::size_t index);
   void encode_color(const FrameJob& job, const Plan& plan, std::size_t index);
+  Result<void> encode_hidden(const FrameJob& job, const Plan& plan, std::size_t index);
   void encode_h264(const FrameJob& job, const Plan& plan, std::size_t index);
   net::FrameBegin frame_begin(const FrameJob& job) const;
+  void append_hidden(const Plan& plan, std::size_t index, net::EncodedFrame& frame);
   void append_eye(const FrameJob& job, const Plan& plan, std::size_t index,
                   net::EncodedFrame& frame);
   void remember(FrameJob& job, const Plan& plan, net::FrameBegin& begin);

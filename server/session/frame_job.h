@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/disocclusion/hidden_layer.h"
 #include "server/kernels/frame_buffers.h"
 #include "server/kernels/kernel.h"
 #include "server/session/actions.h"
@@ -19,7 +20,7 @@ struct RenderMemory {
   std::uint32_t epoch = 0;
   kernels::History history;
   bool history_is_torn = true;  ///< before the first frame, and after one that was stopped half way
-  std::uint32_t ladder_step = 0;   ///< that history was made with
+  std::uint32_t ladder_step = 0;  ///< that history was made with
   GazeFilters gaze;
   /// The encode thread's own; nobody else looks inside.
   std::shared_ptr<EncodeMemory> encode = std::make_shared<EncodeMemory>();
@@ -31,6 +32,8 @@ struct FrameJob {
   std::vector<kernels::View> views;
   kernels::FrameBuffers buffers;
   kernels::FrameReport report;
+  /// By view, where start.view_cell_m is above 0.
+  std::vector<disocclusion::HiddenLayer> hidden;
   std::size_t cells = 0;
   foveation::RateModel rate_model;
   Degrees guard_band{0.0};

@@ -35,6 +35,7 @@ constexpr std::array kColumns{
     Column{"post_ms", &FrameRow::post_ms},
     Column{"color_bytes", &FrameRow::color_bytes},
     Column{"depth_bytes", &FrameRow::depth_bytes},
+    Column{"hidden_bytes", &FrameRow::hidden_bytes},
     Column{"cells", &FrameRow::cells},
     Column{"rays", &FrameRow::rays},
     Column{"scale", &FrameRow::scale},
@@ -54,6 +55,7 @@ FrameRow row_of(const FrameJob& job) {
   row.post_ms = job.report.post_ms;
   row.color_bytes = static_cast<double>(job.encoded.color_bytes);
   row.depth_bytes = static_cast<double>(job.encoded.depth_bytes);
+  row.hidden_bytes = static_cast<double>(job.encoded.hidden_bytes);
   row.cells = static_cast<double>(job.cells);
   row.rays = static_cast<double>(job.report.primary_rays + job.report.shadow_rays);
   row.scale = job.scale;

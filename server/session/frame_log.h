@@ -27,7 +27,7 @@ struct FrameRow {
   /// The kernel's own, summed over threads; 0 where a kernel does not tell.
   double trace_ms = 0.0, shade_ms = 0.0, sample_ms = 0.0, reproject_ms = 0.0, merge_ms = 0.0,
          post_ms = 0.0;
-  double color_bytes = 0.0, depth_bytes = 0.0, cells = 0.0, rays = 0.0;
+  double color_bytes = 0.0, depth_bytes = 0.0, hidden_bytes = 0.0, cells = 0.0, rays = 0.0;
   double scale = 1.0;  ///< of the governor
 };
 

@@ -58,14 +58,25 @@ Pose HeadForecast::stage_from_head(const net::ViewState& view) const {
 
 Degrees HeadForecast::guard_band(const net::ViewState& view, ServerTime now) {
   if (rules_.most_guard_band.value() <= 0.0) return Degrees{0.0};
-  constexpr double kForget_s = 1.0;  // e times less after it
   constexpr double kStep_deg = 2.0;
-  const double passed_s = std::max(units::to_s(now - turn_at_), 0.0);
-  const double turn_deg = head_.turn_per_s().value() * units::to_s(age(view));
-  turn_deg_ = std::max(turn_deg, turn_deg_ * std::exp(-passed_s / kForget_s));
-  turn_at_ = now;
-  const double stepped = kStep_deg * std::ceil(turn_deg_ / kStep_deg);
+  const double turn_deg = turn_deg_.raise(head_.turn_per_s().value() * units::to_s(age(view)), now);
+  const double stepped = kStep_deg * std::ceil(turn_deg / kStep_deg);
   return Degrees{std::min(stepped, rules_.most_guard_band.value())};
+}
+
+double HeadForecast::view_cell_m(const net::ViewState& view, ServerTime now) {
+  if (!(rules_.most_view_cell_m > 0.0) || horizon(view) <= Nanoseconds{0}) return 0.0;
+  constexpr double kLeastShare = 0.2;  // a head at rest sways, and starts
+  const double move_m = move_m_.raise(head_.move_per_s().value() * units::to_s(age(view)), now);
+  return std::clamp(move_m, kLeastShare * rules_.most_view_cell_m, rules_.most_view_cell_m);
+}
+
+double HeadForecast::Peak::raise(double to, ServerTime now) {
+  constexpr double kForget_s = 1.0;
+  const double passed_s = std::max(units::to_s(now - at), 0.0);
+  value = std::max(to, value * std::exp(-passed_s / kForget_s));
+  at = now;
+  return value;
 }
 
 }  // namespace macula::session

@@ -32,6 +32,11 @@ class HeadForecast {
   /// Whole steps of 2 degrees, at most rules.most_guard_band; falls slowly, so that the grid rests.
   Degrees guard_band(const net::ViewState& view, ServerTime now);
 
+  /// How far the eyes may move from where a frame of `view` is rendered until it is seen, meters:
+  /// the head's pace of late over the frame's age, between rules.most_view_cell_m and a fifth of
+  /// it; 0 where nothing is predicted.
+  double view_cell_m(const net::ViewState& view, ServerTime now);
+
   /// From reading the head of `view` to showing its frame, by the last frames; 0: not known yet.
   Nanoseconds age(const net::ViewState& view) const;
   /// From a view's arrival to its frame's acknowledgement, smoothed.
@@ -46,8 +51,13 @@ class HeadForecast {
   math::PosePredictor head_;
   std::deque<Started> started_;
   std::optional<Nanoseconds> latency_;
-  double turn_deg_ = 0.0;  ///< over the age of a frame, lately at most
-  ServerTime turn_at_{};
+  /// The most of late: falls by e every second.
+  struct Peak {
+    double value = 0.0;
+    ServerTime at{};
+    double raise(double to, ServerTime now);
+  };
+  Peak turn_deg_, move_m_;  ///< over the age of a frame
 };
 
 }  // namespace macula::session

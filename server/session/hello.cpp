@@ -87,6 +87,8 @@ Result<ClientSetup> check_hello(const net::Hello& hello, const ServerOffer& offe
                            "Hello.refresh_hz", "above 0, at most 1000");
   if (const auto good = check_settings(hello.settings); !good) return base::forward(good);
   ClientSetup setup{hello.eyes, hello.refresh_hz, hello.settings};
+  setup.takes_hidden_layer = std::find(hello.abilities.begin(), hello.abilities.end(),
+                                       net::kHiddenLayerAbility) != hello.abilities.end();
   setup.settings.color_codec = negotiated_codec(hello, offer);
   if (!can_decode(hello, setup.settings.color_codec))
     return base::bad_input("no colour codec in common", "Hello.codecs",

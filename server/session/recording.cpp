@@ -17,7 +17,7 @@
 namespace macula::session {
 namespace {
 
-constexpr const char* kHeader = "macula-recording 2\n";
+constexpr const char* kHeader = "macula-recording 3\n";
 constexpr std::uint32_t kMostBlockBytes = 1U << 20;
 
 /// Numbers one after another, as they lie in memory (little-endian machines only, like Macula).
@@ -107,6 +107,7 @@ net::Hello hello_of(const ClientSetup& setup) {
   hello.eyes = setup.eyes;
   hello.refresh_hz = setup.refresh_hz;
   hello.settings = setup.settings;
+  if (setup.takes_hidden_layer) hello.abilities = {net::kHiddenLayerAbility};
   return hello;
 }
 
@@ -122,6 +123,7 @@ std::string block_of(const FrameJob& job) {
   out.put(job.render_begin.time_since_epoch().count());
   out.put(start.horizon.count());
   out.put(start.guard_band.value());
+  out.put(start.view_cell_m);
   out.put(static_cast<std::uint32_t>(start.gazes.size()));
   for (const FollowedGaze& gaze : start.gazes) {
     put_gaze(gaze.gaze, out);
@@ -156,7 +158,7 @@ bool is_sane(const StartFrame& start) {
   });
   const double scale = start.quality.scale, guard = start.guard_band.value();
   return gazes && net::check_view_state(start.view) && scale > 0.0 && scale <= 1.0 &&
-         guard >= 0.0 && guard <= 90.0;
+         guard >= 0.0 && guard <= 90.0 && start.view_cell_m >= 0.0 && start.view_cell_m <= 1.0;
 }
 
 std::optional<RecordedFrame> frame_of(std::string_view block) {
@@ -179,6 +181,7 @@ std::optional<RecordedFrame> frame_of(std::string_view block) {
   in.take<Nanoseconds::rep>();  // when it began, for people who read the file
   start.horizon = Nanoseconds{in.take<Nanoseconds::rep>()};
   start.guard_band = Degrees{in.take<double>()};
+  start.view_cell_m = in.take<double>();
   const auto gazes = in.take<std::uint32_t>();
   for (std::uint32_t eye = 0; eye < std::min(gazes, kMostEyes); ++eye) {
     FollowedGaze gaze;
@@ -262,8 +265,8 @@ std::uint64_t digest(std::span<const net::SliceEntry> slices,
   for (std::size_t i = 0; i < slices.size(); ++i) {
     const net::SliceEntry& slice = slices[i];
     for (const std::uint64_t word :
-         {std::uint64_t{slice.eye}, static_cast<std::uint64_t>(slice.codec),
-          static_cast<std::uint64_t>(slice.rect.width),
+         {std::uint64_t{slice.eye}, std::uint64_t{slice.layer},
+          static_cast<std::uint64_t>(slice.codec), static_cast<std::uint64_t>(slice.rect.width),
           static_cast<std::uint64_t>(slice.rect.height), std::uint64_t{slice.size_bytes}}) {
       hash = math::hash_combine(hash, word);
     }

@@ -2,7 +2,7 @@
 // what the gaze, the governor and the scene's clock said then. A recording holds exactly that,
 // frame by frame; replaying it renders and encodes the same frames to the same bytes, on any number
 // of threads, without a network and as fast as they are made. The file: a line "macula-recording
-// 1", then blocks of a 32-bit little-endian length each: the server's description, and one a frame.
+// 3", then blocks of a 32-bit little-endian length each: the server's description, and one a frame.
 #pragma once
 
 #include <cstdint>

@@ -72,11 +72,37 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
                                       config_.seed};
   const kernels::Kernel& kernel = kernel_for(job, memory);
   job.report = kernel.render(request, **scene, memory.history, *scheduler_, job.buffers);
+  if (!job.report.stopped && wants_hidden(job, **scene)) {
+    job.report.stopped = render_hidden(job, kernel, **scene) == scheduling::Outcome::Stopped;
+  } else {
+    job.hidden.clear();
+  }
   std::this_thread::sleep_for(config_.delays.render);
   job.render_end = now();
   if (job.report.stopped) return RenderOutcome::Stopped;
   judge(job, kernel, **scene, policy);
   return RenderOutcome::Rendered;
+}
+
+bool RenderStage::wants_hidden(const FrameJob& job, const kernels::SceneFrame& scene) {
+  const scene::ScenePlan& plan = scene.plan();
+  const bool has_surfaces =
+      plan.has(scene::Step::TriangleBvh) || plan.has(scene::Step::DistanceField);
+  return has_surfaces && job.start.view_cell_m > 0.0;
+}
+
+scheduling::Outcome RenderStage::render_hidden(FrameJob& job, const kernels::Kernel& kernel,
+                                               const kernels::SceneFrame& scene) {
+  job.hidden.resize(job.views.size());
+  for (std::size_t eye = 0; eye < job.views.size(); ++eye) {
+    const disocclusion::HiddenRequest request{job.views[eye], job.buffers.views[eye].depth_m,
+                                              job.start.view_cell_m, job.start.key.frame,
+                                              config_.seed};
+    const auto outcome =
+        disocclusion::trace_hidden_layer(request, kernel, scene, *scheduler_, job.hidden[eye]);
+    if (outcome == scheduling::Outcome::Stopped) return outcome;
+  }
+  return scheduling::Outcome::Completed;
 }
 
 }  // namespace macula::session

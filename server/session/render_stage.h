@@ -32,6 +32,10 @@ class RenderStage {
   const kernels::Kernel& kernel_for(const FrameJob& job, RenderMemory& memory) const;
   void judge(FrameJob& job, const kernels::Kernel& kernel, const kernels::SceneFrame& scene,
              const ViewPolicy& policy);
+  /// Whether there is a second layer to make: the client may see another side of something.
+  static bool wants_hidden(const FrameJob& job, const kernels::SceneFrame& scene);
+  scheduling::Outcome render_hidden(FrameJob& job, const kernels::Kernel& kernel,
+                                    const kernels::SceneFrame& scene);
   ServerTime now() const { return ServerTime{clock_.now()}; }
 
   const ServerConfig& config_;

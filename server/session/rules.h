@@ -23,6 +23,8 @@ struct SessionRules {
   Nanoseconds longest_horizon{0};
   /// What a fast head may ask for beyond the configured guard band; 0: nothing.
   Degrees most_guard_band{0.0};
+  /// A second layer is made for eyes that move at most so far until a frame is seen; 0: none is.
+  double most_view_cell_m = 0.0;
   Goals goals;  ///< what frames may cost and how old they may be shown
   foveation::GazeFollowerOptions gaze;
   /// Where frames lean on each other, a grid rests until the gaze is so far from its centre.

@@ -139,6 +139,7 @@ std::optional<StartFrame> Session::start_frame(ServerTime now) {
                    setup_};
   start.horizon = forecast_.horizon(start.view);
   start.guard_band = forecast_.guard_band(start.view, now);
+  if (setup_->takes_hidden_layer) start.view_cell_m = forecast_.view_cell_m(start.view, now);
   follow_gazes(start);
   start.view.stage_from_head = forecast_.stage_from_head(start.view);
   start.quality = governor_.plan(link_state(), now);
@@ -160,7 +161,7 @@ void Session::on_error_estimated(const FrameKey& key, double rmse) {
 Actions Session::on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size) {
   if (!is_mine(key) || !credit_.is_unsent(key.frame)) return {};
   if (size.cells > 0) governor_.on_encoded(size);
-  ready_.push_back({key.frame, size.color_bytes + size.depth_bytes});
+  ready_.push_back({key.frame, size.bytes()});
   return release_ready(now);
 }
 

@@ -55,4 +55,8 @@ Degrees PosePredictor::turn_per_s() const {
   return Degrees{Radians{velocity().turn_rad_per_s}};
 }
 
+Meters PosePredictor::move_per_s() const {
+  return Meters{glm::length(velocity().linear_m_per_s)};
+}
+
 }  // namespace macula::math

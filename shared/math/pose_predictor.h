@@ -32,6 +32,7 @@ class PosePredictor {
   Pose predict(ClientTime at) const;
   /// Of the window, clamped; 0 with fewer than two samples.
   Degrees turn_per_s() const;
+  Meters move_per_s() const;
 
  private:
   struct Sample {

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -34,6 +35,9 @@ struct LoopbackServerOptions {
   net::ServerDelays wire_delays;  ///< of its endpoint
   std::string record;             ///< file; empty: nothing is recorded
   std::optional<Nanoseconds> age_goal;
+  Nanoseconds longest_horizon{0};  ///< as SessionRules has them
+  double most_view_cell_m = 0.0;
+  std::string scene = "cornell";
 };
 
 /// Serves from construction to destruction.
@@ -53,9 +57,11 @@ class LoopbackServer {
     session::ServerConfig config = make_config();
     config.delays = options.delays;
     config.age_goal = options.age_goal;
+    config.rules.longest_horizon = options.longest_horizon;
+    config.rules.most_view_cell_m = options.most_view_cell_m;
     session::ServerParts parts;
     parts.endpoint = std::move(*endpoint);
-    parts.scene = shared_scene();
+    parts.scene = shared_scene(options.scene);
     parts.kernel = make_kernel();
     parts.scheduler = std::make_shared<scheduling::TileScheduler>(1);
     parts.clock = &clock_;
@@ -73,8 +79,10 @@ class LoopbackServer {
   static std::unique_ptr<kernels::Kernel> make_kernel() {
     return std::move(*kernels::make_kernel("ray", cheap()));
   }
-  static std::shared_ptr<kernels::SceneTimeline> shared_scene() {
-    static const auto timeline = *kernels::SceneTimeline::create(*scene::load_scene("cornell"));
+  static std::shared_ptr<kernels::SceneTimeline> shared_scene(const std::string& name = "cornell") {
+    static std::map<std::string, std::shared_ptr<kernels::SceneTimeline>> timelines;
+    auto& timeline = timelines[name];
+    if (!timeline) timeline = *kernels::SceneTimeline::create(*scene::load_scene(name));
     return timeline;
   }
 
@@ -97,7 +105,8 @@ class LoopbackServer {
 class EndpointClient {
  public:
   EndpointClient(const std::string& connect, const std::string& key_folder,
-                 const std::string& server_key, int side_px = 64)
+                 const std::string& server_key, int side_px = 64,
+                 const std::string& color_codec = {})
       : display_{math::symmetric_fov(Degrees{90.0}, 1.0), side_px, side_px} {
     net::ClientEndpointOptions options;
     options.connect = connect;
@@ -106,6 +115,8 @@ class EndpointClient {
     options.hello.program = "loopback test";
     options.hello.eyes.assign(2, display_);
     options.hello.codecs = {"jpeg", "lossless"};
+    options.hello.abilities = {net::kHiddenLayerAbility};
+    options.hello.settings.color_codec = color_codec;
     if (codec::can_decode_h264()) options.hello.codecs.push_back("h264");
     auto created = net::ClientEndpoint::create(options, clock_);
     if (!created) {

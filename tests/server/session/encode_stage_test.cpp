@@ -104,6 +104,88 @@ TEST_F(EncodeStageTest, ASaccadeIsGivenFewerBytesAndItsLandingMoreAgain) {
   EXPECT_GT(color_bytes_, during);
 }
 
+/// Grey, by up to half of `noise` brighter or darker, as the cell's place and the frame say.
+Rgb noisy_grey(int x, int y, std::uint64_t frame, float noise) {
+  const auto bits = math::hash_combine(math::hash_combine(frame, x), y) % 256;
+  return Rgb{0.4F + noise * (static_cast<float>(bits) / 256.0F - 0.5F)};
+}
+
+/// A first layer of noise before a second one in every cell of the columns [0, columns), with as
+/// much as `noise`.
+FrameJob with_hidden(FrameJob job, int columns, float noise) {
+  for (std::size_t eye = 0; eye < job.views.size(); ++eye) {
+    disocclusion::HiddenLayer layer;
+    image::Plane<Rgb>& seen = job.buffers.views[eye].radiance;
+    layer.band.resize(seen.width(), seen.height());
+    layer.radiance.resize(seen.width(), seen.height());
+    layer.depth_m.resize(seen.width(), seen.height(), 4.0F);
+    for (int y = 0; y < seen.height(); ++y) {
+      for (int x = 0; x < seen.width(); ++x) {
+        seen(x, y) = noisy_grey(x, y, job.start.key.frame, 0.4F);
+        layer.radiance(x, y) = noisy_grey(x, y, job.start.key.frame, noise);
+        layer.band(x, y) = x < columns ? 1 : 0;
+      }
+    }
+    layer.cells = static_cast<std::size_t>(columns) * seen.height();
+    job.hidden.push_back(std::move(layer));
+  }
+  job.start.view_cell_m = 0.05;
+  return job;
+}
+
+std::size_t bytes_of_layer(const net::FrameBegin& begin, std::uint32_t layer) {
+  std::size_t bytes = 0;
+  for (const net::SliceEntry& slice : begin.slices) {
+    if (slice.layer == layer) bytes += slice.size_bytes;
+  }
+  return bytes;
+}
+
+TEST_F(EncodeStageTest, TheSecondLayerFollowsTheFirstOfItsEye) {
+  setup_.settings.color_codec = "jpeg";
+  for (int i = 0; i < 12; ++i) encoded(with_hidden(job(GazePhase::Fixation), 0, 0.0F));
+  const net::FrameBegin begin = encoded(with_hidden(job(GazePhase::Fixation), 8, 0.0F));
+  ASSERT_EQ(begin.slices.size(), 10U);
+  EXPECT_EQ(begin.view_cell_m, 0.05);
+  for (std::size_t i = 0; i < begin.slices.size(); ++i) {
+    EXPECT_EQ(begin.slices[i].eye, i / 5);
+    EXPECT_EQ(begin.slices[i].layer, i % 5 < 2 ? 0U : 1U);
+  }
+  EXPECT_EQ(begin.slices[2].codec, net::SliceCodec::BandMask);
+  EXPECT_EQ(begin.slices[3].codec, net::SliceCodec::Jpeg);
+  EXPECT_GT(begin.views[0].hidden_depth_inverse_scale_per_m, 0.0F);
+  EXPECT_EQ(encoded(job(GazePhase::Fixation)).slices.size(), 4U);
+}
+
+TEST_F(EncodeStageTest, TheSecondLayerTakesAQuarterOfTheBytesAtMost) {
+  setup_.settings.color_codec = "jpeg";
+  std::size_t hidden = 0, seen = 0, whole = 0;
+  for (int i = 0; i < 12; ++i) {
+    FrameJob made = with_hidden(job(GazePhase::Fixation), 64, 0.4F);
+    whole += made.hidden[0].cells + made.hidden[1].cells;
+    const auto frame = stage_.encode(made);
+    ASSERT_TRUE(frame);
+    if (i >= 4) {  // before, too little has been sent for it to have a share of
+      EXPECT_GT(frame->end.hidden_cells, 0U) << "part of it stays";
+    }
+    hidden += bytes_of_layer(frame->begin, 1);
+    seen += bytes_of_layer(frame->begin, 0);
+    whole -= frame->end.hidden_cells;
+  }
+  EXPECT_GT(whole, 0U) << "and part of it gave way";
+  EXPECT_LE(3 * hidden, seen);
+}
+
+TEST_F(EncodeStageTest, ASmallSecondLayerComesWhole) {
+  setup_.settings.color_codec = "jpeg";
+  for (int i = 0; i < 12; ++i) encoded(with_hidden(job(GazePhase::Fixation), 0, 0.0F));
+  FrameJob made = with_hidden(job(GazePhase::Fixation), 3, 0.0F);
+  const std::size_t cells = made.hidden[0].cells + made.hidden[1].cells;
+  const auto frame = stage_.encode(made);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->end.hidden_cells, cells);
+}
+
 TEST_F(EncodeStageTest, ALinkThatLosesTooMuchGetsColourThatLeansOnNothing) {
   encoded(job(GazePhase::Fixation));
   FrameJob stateless = job(GazePhase::Fixation);

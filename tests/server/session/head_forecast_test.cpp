@@ -106,6 +106,30 @@ TEST(HeadForecast, TheGuardBandFallsSlowlyWhenTheHeadComesToRest) {
   EXPECT_EQ(forecast.guard_band(resting, at_ms(1400)).value(), 2.0);
 }
 
+SessionRules layering() {
+  SessionRules rules = predicting();
+  rules.most_view_cell_m = 0.05;
+  return rules;
+}
+
+TEST(HeadForecast, TheViewCellIsWhatTheHeadWalksMeanwhileWithinItsBounds) {
+  HeadForecast walking = fed(layering(), Degrees{0.0}, 40.0);  // 0.5 m/s over 50 ms
+  EXPECT_NEAR(walking.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.025, 1e-9);
+  HeadForecast late = fed(layering(), Degrees{0.0}, 300.0);
+  EXPECT_EQ(late.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.05);
+  HeadForecast quick = fed(layering(), Degrees{0.0}, 1.0);
+  EXPECT_EQ(quick.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.01);
+}
+
+TEST(HeadForecast, ThereIsNoViewCellWithoutAHorizonOrAWish) {
+  HeadForecast unwanted = fed(predicting(), Degrees{0.0}, 40.0);
+  EXPECT_EQ(unwanted.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.0);
+  SessionRules rules = layering();
+  rules.longest_horizon = Nanoseconds{0};
+  HeadForecast unpredicted = fed(rules, Degrees{0.0}, 40.0);
+  EXPECT_EQ(unpredicted.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.0);
+}
+
 TEST(HeadForecast, ASessionRendersThePredictedHeadAndSaysHowFarAhead) {
   Session session(1, "key", predicting());
   net::Welcome welcome;

@@ -121,7 +121,7 @@ class Play {
                        quality.bytes.depth_divisor, units::from_ms(15.0)};
       governor_.on_encoded(size);
       const double ready_ms = begin_ms + 15.0;
-      link_.on_handed_over(++frame_, size.color_bytes + size.depth_bytes, at_ms(ready_ms));
+      link_.on_handed_over(++frame_, size.bytes(), at_ms(ready_ms));
       const double acked_ms = pipe.acknowledged_ms(ready_ms, color + depth);
       acks_.push_back({frame_, acked_ms});
       ages.push_back(acked_ms - pipe.one_way_ms + 14.0 - (begin_ms - pipe.one_way_ms));
