@@ -96,6 +96,9 @@ net::Hello make_hello(const ClientConfig& config, const EyeRig& rig, double refr
   hello.refresh_hz = refresh_hz;
   hello.codecs = {"jpeg", "lossless"};
   if (codec::can_decode_h264()) hello.codecs.insert(hello.codecs.begin(), "h264");
+  if (config.warp != ClientConfig::Warp::Rotation && config.warp != ClientConfig::Warp::Stale) {
+    hello.abilities = {net::kHiddenLayerAbility};
+  }
   hello.settings = config.settings;
   return hello;
 }
@@ -121,6 +124,7 @@ std::vector<std::pair<std::string, std::string>> describe(const ClientConfig& co
       {"repeat", config.repeat_trace == ClientConfig::Repeat::Yes ? "yes" : "no"},
       {"frames", config.frames == 0 ? "(until the poses end)" : base::concat(config.frames)},
       {"reprojection", name(config.warp)},
+      {"warp_on", config.warp_on == ClientConfig::WarpOn::Gl ? "gl" : "cpu"},
       {"codec", or_server_default(wish.color_codec)},
       {"oversampling",
        or_server_default(wish.fovea_oversampling == 0.0 ? ""

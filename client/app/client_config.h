@@ -52,6 +52,9 @@ struct ClientConfig {
   /// half a pixel and with the cheaper filter.
   enum class Warp { Mesh, Grid, Rotation, Stale };
   Warp warp = Warp::Mesh;
+  /// Where it runs. Gl: on the window's own OpenGL; without a window there is none.
+  enum class WarpOn { Cpu, Gl };
+  WarpOn warp_on = WarpOn::Cpu;
 
   /// Empty: the demo trace (headless), mouse and keys (window), the headset's own.
   std::string trace_file;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/app/connect.h"
+#include "client/app/settle.h"
 
 namespace macula::client_app {
 namespace {
@@ -18,9 +19,10 @@ void sleep_for(Nanoseconds delay) {
 DisplayLoop::DisplayLoop(const ClientConfig& config, const LoopParts& parts)
     : config_(config),
       parts_(parts),
-      warps_(warp_options(config.warp), config.display == DisplayKind::OpenXr
-                                            ? WarpStage::Depth::Keep
-                                            : WarpStage::Depth::Leave),
+      warps_(
+          warp_options(config.warp),
+          config.display == DisplayKind::OpenXr ? WarpStage::Depth::Keep : WarpStage::Depth::Leave,
+          config.warp_on == ClientConfig::WarpOn::Gl ? WarpStage::On::Gl : WarpStage::On::Cpu),
       late_start_(units::from_s(1.0 / config.refresh_hz)),
       last_news_(now()) {}
 
@@ -42,7 +44,7 @@ display::RunEnd DisplayLoop::run() {
       parts_.screen.skip(*refresh);
       continue;
     }
-    submit(*refresh, predicted->head.gaze, reproject(frame, predicted->stage_from_head));
+    submit(*refresh, *predicted, reproject(frame, predicted->stage_from_head));
     sleep_for(config_.delays.idle);
   }
 }
@@ -77,6 +79,7 @@ std::optional<DisplayLoop::Predicted> DisplayLoop::predict(const Refresh& refres
   auto head = parts_.poses.sample(refresh.pose_time);
   if (!head) return std::nullopt;
   predictor_.add(*head);
+  doubt_.add(*head);
   parts_.log.note_pose(*head);
   if (parts_.recorder != nullptr) parts_.recorder->add(*head);
   const Nanoseconds horizon = refresh.display - refresh.begin;
@@ -87,7 +90,7 @@ std::optional<DisplayLoop::Predicted> DisplayLoop::predict(const Refresh& refres
   const Nanoseconds real_from_pose = refresh.begin - refresh.pose_time;
   head->at += real_from_pose;
   head->gaze_at += real_from_pose;
-  return Predicted{*head, at_display};
+  return Predicted{*head, at_display, display, real_from_pose};
 }
 
 void DisplayLoop::publish(const pose::HeadSample& head, Nanoseconds until_display) {
@@ -128,23 +131,38 @@ Showing DisplayLoop::reproject(const frames::FramePtr& frame, const Pose& stage_
   Showing showing;
   showing.frame = frame;
   showing.reproject_begin = now();
-  showing.warps = warps_.warp(*frame, stage_from_head, parts_.screen.rig());
-  if (config_.pacing == Pacing::RealTime) warps_.mark_age(now() - frame->last_byte);
+  const bool real_time = config_.pacing == Pacing::RealTime;
+  const Nanoseconds age = real_time ? now() - frame->last_byte : Nanoseconds{0};
+  showing.warps = warps_.warp(*frame, stage_from_head, parts_.screen.rig(), settled_share(age));
+  warps_.mark_age(age);
   sleep_for(config_.delays.reproject);
   showing.reproject_end = now();
   return showing;
 }
 
-void DisplayLoop::submit(const Refresh& refresh, const Gaze& gaze, Showing showing) {
+void DisplayLoop::submit(const Refresh& refresh, const Predicted& predicted, Showing showing) {
   const std::uint64_t count = parts_.log.shown_frames();
-  const ClientTime lit = parts_.screen.show(refresh, warps_.eyes(), gaze);
+  const ClientTime lit = parts_.screen.show(refresh, warps_.eyes(), predicted.head.gaze);
   sleep_for(config_.delays.present);
   showing.shown = lit + config_.delays.present;
+  const bool real_time = config_.pacing == Pacing::RealTime;
+  judge(showing, predicted,
+        real_time ? showing.shown - predicted.real_from_pose : predicted.display);
   late_start_.note(showing.reproject_end - refresh.begin, lit - refresh.display);
   parts_.log.note_shown(showing, parts_.endpoint.clock());
   parts_.screen.note(showing, parts_.log, parts_.endpoint);
   if (parts_.pictures != nullptr) parts_.pictures->show(count, pictures());
   last_frame_ = std::move(showing.frame);
+}
+
+/// How far off the frame is shown; once a frame and after its light is out, for it costs a few
+/// milliseconds. The pose is held to where the head was when it was `seen`: what the display was
+/// late by is part of what the pose is off.
+void DisplayLoop::judge(Showing& showing, const Predicted& predicted, ClientTime seen) {
+  doubt_.foretold(seen, predicted.stage_from_head);
+  if (showing.frame == last_frame_) return;
+  showing.bound = warps_.bound(*showing.frame, predicted.stage_from_head, parts_.screen.rig(),
+                               {doubt_.position_m(), doubt_.turn()});
 }
 
 void DisplayLoop::report_events() {

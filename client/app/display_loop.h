@@ -14,6 +14,7 @@
 #include "client/app/warp_stage.h"
 #include "client/display/headless/picture_writer.h"
 #include "client/frames/frame_store.h"
+#include "client/pose/prediction_doubt.h"
 #include "client/pose/predictor.h"
 #include "client/pose/trace_recorder.h"
 
@@ -44,7 +45,9 @@ class DisplayLoop {
  private:
   struct Predicted {
     pose::HeadSample head;
-    Pose stage_from_head;  ///< at the display time
+    Pose stage_from_head;        ///< at the display time
+    ClientTime display;          ///< that time, on the line of the poses
+    Nanoseconds real_from_pose;  ///< that line is another than the clock's when not in real time
   };
   /// The reason to end, when there is one.
   std::optional<display::RunEnd> end_reason() const;
@@ -56,13 +59,15 @@ class DisplayLoop {
   frames::FramePtr fetch(const pose::HeadSample& head, Nanoseconds until_display);
   frames::FramePtr wait_for_news(const pose::HeadSample& head, Nanoseconds until_display);
   Showing reproject(const frames::FramePtr& frame, const Pose& stage_from_head);
-  void submit(const Refresh& refresh, const Gaze& gaze, Showing showing);
+  void submit(const Refresh& refresh, const Predicted& predicted, Showing showing);
+  void judge(Showing& showing, const Predicted& predicted, ClientTime seen);
   void report_events();
   ClientTime now() const { return ClientTime{parts_.clock.now()}; }
 
   const ClientConfig config_;
   const LoopParts parts_;
   pose::Predictor predictor_;
+  pose::PredictionDoubt doubt_;
   WarpStage warps_;
   LateStart late_start_;
   frames::FramePtr last_frame_;

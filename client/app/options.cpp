@@ -14,7 +14,7 @@ namespace {
 /// The options as typed; ClientConfig holds them in units.
 struct Typed {
   std::string connect = "tcp://127.0.0.1:7788", keys, display, trace, gaze, record, size, out,
-              codec, rate_model, reprojection = "mesh";
+              codec, rate_model, reprojection = "mesh", warp_on = "cpu";
   std::uint64_t frames = 0;
   double refresh_hz = 72.0, fov_deg = 80.0, ipd_mm = 63.0, oversampling = 0.0, connect_s = 10.0;
   int eyes = 2, picture_every = 12;
@@ -95,6 +95,10 @@ void add_display_options(CLI::App& app, Typed& typed) {
                  "for slow machines")
       ->option_text("mesh|grid|rotation|stale (mesh)")
       ->check(CLI::IsMember({"mesh", "grid", "rotation", "stale"}));
+  app.add_option("--warp", typed.warp_on,
+                 "What brings it there: the processor, or the window's OpenGL 3.3")
+      ->option_text("cpu|gl (cpu)")
+      ->check(CLI::IsMember({"cpu", "gl"}));
   app.add_option("--out", typed.out, "Folder for pictures, report.json and frames.csv")
       ->option_text("DIR (headless: macula-out)");
   app.add_option("--picture-every", typed.picture_every, "Write every Nth shown frame as PNG")
@@ -202,6 +206,15 @@ Result<void> choose_gaze(const Typed& typed, ClientConfig& config) {
   return {};
 }
 
+Result<void> choose_warp(const Typed& typed, ClientConfig& config) {
+  config.warp = warp_of(typed.reprojection);
+  if (typed.warp_on == "gl" && config.display != DisplayKind::Window)
+    return base::bad_input("there is no window whose OpenGL could warp", "--warp gl",
+                           "use --display window, or --warp cpu");
+  config.warp_on = typed.warp_on == "gl" ? ClientConfig::WarpOn::Gl : ClientConfig::WarpOn::Cpu;
+  return {};
+}
+
 Result<Options> make_options(const Typed& typed, const Environment& environment) {
   Options options;
   ClientConfig& config = options.config;
@@ -222,7 +235,7 @@ Result<Options> make_options(const Typed& typed, const Environment& environment)
   config.ipd = Meters{1e-3 * typed.ipd_mm};
   config.refresh_hz = typed.refresh_hz;
   config.pacing = typed.fast ? Pacing::AsFastAsPossible : Pacing::RealTime;
-  config.warp = warp_of(typed.reprojection);
+  if (auto done = choose_warp(typed, config); !done) return base::forward(done);
   config.trace_file = typed.trace;
   config.record_file = typed.record;
   if (auto done = choose_gaze(typed, config); !done) return base::forward(done);

@@ -3,6 +3,14 @@
 namespace macula::client_app {
 namespace {
 
+double hidden_bytes(const net::FrameBegin& begin) {
+  double bytes = 0.0;
+  for (const net::SliceEntry& slice : begin.slices) {
+    if (slice.layer > 0) bytes += static_cast<double>(slice.size_bytes);
+  }
+  return bytes;
+}
+
 double share(std::uint64_t part, const reprojection::WarpReport& warp) {
   const auto all = warp.covered_px + warp.filled_px + warp.outside_px;
   return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all);
@@ -32,6 +40,12 @@ void RunLog::note_first_showing(const Showing& showing,
   ++report_.distinct_server_frames;
   report_.frame_bytes.add(static_cast<double>(frame.bytes));
   report_.frame_cells.add(static_cast<double>(frame.end.cells));
+  if (showing.bound) {
+    report_.bound_p95_px.add(showing.bound->p95_px);
+    report_.bound_most_px.add(showing.bound->most_px);
+  }
+  report_.hidden_cells.add(static_cast<double>(frame.end.hidden_cells));
+  report_.hidden_bytes.add(hidden_bytes(frame.begin));
   report_.frame_rays.add(static_cast<double>(frame.end.rays));
   if (!clock) return;
   book_.note_shown(frame.id(), frame.end,

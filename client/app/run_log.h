@@ -6,7 +6,7 @@
 #include "client/frames/frame_order.h"
 #include "client/frames/frame_store.h"
 #include "client/pose/saccades.h"
-#include "client/reprojection/warp.h"
+#include "client/reprojection/error_bound.h"
 
 namespace macula::client_app {
 
@@ -14,6 +14,8 @@ namespace macula::client_app {
 struct Showing {
   frames::FramePtr frame;
   std::vector<reprojection::WarpReport> warps;  ///< by eye
+  /// Of the eye with the larger one; nullopt where the frame does not state its depth's error.
+  std::optional<reprojection::ErrorBound::Summary> bound;
   ClientTime reproject_begin, reproject_end, shown;
 };
 

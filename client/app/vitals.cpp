@@ -34,6 +34,16 @@ double percent(const std::vector<reprojection::WarpReport>& warps,
   return all == 0 ? 0.0 : 100.0 * static_cast<double>(some) / static_cast<double>(all);
 }
 
+/// The server's ladder: what it gives up, in the order in which it does.
+std::string governor_line(const net::FrameQuality& quality) {
+  std::string line = text("governor kernel %.1f of 10   scale %.2f   depth 1/%d", quality.kernel,
+                          quality.scale, quality.depth_divisor);
+  if (quality.color_budget_bytes > 0) {
+    line += text("   %.0f kb a frame", 1e-3 * static_cast<double>(quality.color_budget_bytes));
+  }
+  return quality.stateless_color ? line + "   stateless" : line;
+}
+
 }  // namespace
 
 void Vitals::note(const Showing& showing, const RunLog& log, const net::ClientEndpoint& endpoint) {
@@ -50,6 +60,15 @@ void Vitals::note_columns(const frames::StageBook& book) {
   accounts_ = book.accounted();
   for (const auto& account : news) dashboard_.columns.push_back(column_of(account.times));
   while (dashboard_.columns.size() > display::Dashboard::kColumns) dashboard_.columns.pop_front();
+}
+
+/// Of the newest frame: it is told once a frame.
+std::string Vitals::bound_line(const Showing& showing) {
+  if (showing.bound) {
+    bound_ = text("error bound %.2f px   at worst %.1f px", showing.bound->p95_px,
+                  std::min(showing.bound->most_px, 9999.0));
+  }
+  return bound_;
 }
 
 void Vitals::write_lines(const Showing& showing, const std::optional<net::ClockEstimate>& clock) {
@@ -71,6 +90,10 @@ void Vitals::write_lines(const Showing& showing, const std::optional<net::ClockE
            1e-3 * static_cast<double>(showing.frame->bytes),
            1e-3 * static_cast<double>(showing.frame->end.cells),
            1e-3 * static_cast<double>(showing.frame->end.rays)),
+      governor_line(begin.quality),
+      bound_line(showing),
+      text("hidden layer %.1f k cells   for %.1f cm",
+           1e-3 * static_cast<double>(showing.frame->end.hidden_cells), 100.0 * begin.view_cell_m),
       clock ? text("clock known to %.2f ms", units::to_ms(clock->bound))
             : std::string("clock not known yet")};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <deque>
+#include <string>
 
 #include "client/app/run_log.h"
 #include "client/display/window/dashboard.h"
@@ -22,11 +23,13 @@ class Vitals {
     bool new_frame;
   };
   void note_columns(const frames::StageBook& book);
+  std::string bound_line(const Showing& showing);
   void write_lines(const Showing& showing, const std::optional<net::ClockEstimate>& clock);
 
   std::deque<Refresh> second_;
   std::optional<frames::FrameId> last_;
-  std::size_t accounts_ = 0;  ///< taken from the book
+  std::string bound_ = "error bound not stated";  ///< of the newest frame
+  std::size_t accounts_ = 0;                      ///< taken from the book
   display::Dashboard dashboard_;
 };
 

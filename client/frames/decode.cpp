@@ -52,11 +52,10 @@ Result<void> decode_color_slice(const net::SliceEntry& slice, Bytes bytes, H264&
 }
 
 Result<void> decode_depth_slice(const net::SliceEntry& slice, Bytes bytes,
-                                float inverse_scale_per_m, DecodedEye& eye) {
+                                float inverse_scale_per_m, image::Plane<float>& whole) {
   if (slice.codec != net::SliceCodec::InverseDepth) {
     return base::bad_input("depth comes in a codec this client cannot decode", {}, "inverse depth");
   }
-  image::Plane<float>& whole = eye.inverse_depth_per_m;
   if (slice.rect == whole.rect()) return codec::decode_depth(bytes, inverse_scale_per_m, whole);
   image::Plane<float> part(slice.rect.width, slice.rect.height);
   if (auto done = codec::decode_depth(bytes, inverse_scale_per_m, part); !done) return done;
@@ -73,9 +72,56 @@ Result<void> decode_slice(const net::SliceEntry& slice, Bytes bytes, const net::
     return base::bad_input("its rectangle leaves the grid", {},
                            "a rectangle inside the eye's grid");
   }
+  if (slice.plane == net::PlaneKind::Mask) {
+    return base::bad_input("the first layer has no mask", {}, "colour and depth");
+  }
   return slice.plane == net::PlaneKind::Color
              ? decode_color_slice(slice, bytes, h264, eye)
-             : decode_depth_slice(slice, bytes, view.depth_inverse_scale_per_m, eye);
+             : decode_depth_slice(slice, bytes, view.depth_inverse_scale_per_m,
+                                  eye.inverse_depth_per_m);
+}
+
+/// The second layer's mask, which comes first and tells what its atlas holds.
+Result<void> decode_mask_slice(const net::SliceEntry& slice, Bytes bytes, DecodedEye& eye) {
+  const int width = eye.color.width(), height = eye.color.height();
+  if (slice.rect != eye.color.rect()) {
+    return base::bad_input("its mask has another size", {}, "the grid's");
+  }
+  eye.hidden.emplace(codec::HiddenLayerPlanes{codec::Mask(width, height),
+                                              image::Plane<Rgb8>(width, height),
+                                              image::Plane<float>(width, height)});
+  return codec::decode_mask(bytes, eye.hidden->mask);
+}
+
+Result<void> decode_atlas_slice(const net::SliceEntry& slice, Bytes bytes, DecodedEye& eye) {
+  const image::Rect expected = codec::atlas_rect(eye.hidden->mask);
+  if (slice.rect != expected || expected.height == 0) {
+    return base::bad_input("its atlas does not fit its mask", {},
+                           base::concat(expected.width, " x ", expected.height));
+  }
+  const bool lossless = slice.codec == net::SliceCodec::Lossless;
+  if (!lossless && slice.codec != net::SliceCodec::Jpeg) {
+    return base::bad_input("its atlas comes in a codec this client cannot decode", {},
+                           "jpeg or lossless");
+  }
+  image::Plane<Rgb8> atlas(expected.width, expected.height);
+  const auto codec = lossless ? codec::ColorCodec::Lossless : codec::ColorCodec::Jpeg;
+  if (auto done = codec::decode_color(bytes, codec, expected, atlas); !done) return done;
+  codec::unpack_atlas(eye.hidden->mask, atlas, eye.hidden->color);
+  return {};
+}
+
+Result<void> decode_hidden_slice(const net::SliceEntry& slice, Bytes bytes,
+                                 const net::FrameView& view, DecodedEye& eye) {
+  if (slice.plane == net::PlaneKind::Mask) return decode_mask_slice(slice, bytes, eye);
+  if (!eye.hidden) return base::bad_input("its mask is missing", {}, "a mask before all else");
+  if (slice.plane == net::PlaneKind::Color) return decode_atlas_slice(slice, bytes, eye);
+  if (!is_inside(slice.rect, eye.color.width(), eye.color.height())) {
+    return base::bad_input("its rectangle leaves the grid", {},
+                           "a rectangle inside the eye's grid");
+  }
+  return decode_depth_slice(slice, bytes, view.hidden_depth_inverse_scale_per_m,
+                            eye.hidden->inverse_depth_per_m);
 }
 
 std::string place(const net::FrameBegin& begin, std::size_t slice) {
@@ -92,13 +138,16 @@ Result<DecodedEye> decode_eye(const net::ReceivedFrame& received, std::size_t ey
   std::uint64_t colored = 0;
   for (std::size_t i = 0; i < begin.slices.size(); ++i) {
     const net::SliceEntry& slice = begin.slices[i];
-    if (slice.eye != eye_index || slice.layer != 0) continue;
-    if (auto done = decode_slice(slice, received.payloads[i], view, h264, eye); !done) {
+    if (slice.eye != eye_index || slice.layer > 1) continue;
+    const auto done = slice.layer == 0
+                          ? decode_slice(slice, received.payloads[i], view, h264, eye)
+                          : decode_hidden_slice(slice, received.payloads[i], view, eye);
+    if (!done) {
       Error error = done.error();
       error.where = place(begin, i);
       return tl::unexpected(std::move(error));
     }
-    if (slice.plane == net::PlaneKind::Color) {
+    if (slice.plane == net::PlaneKind::Color && slice.layer == 0) {
       colored += static_cast<std::uint64_t>(slice.rect.width) * slice.rect.height;
     }
   }

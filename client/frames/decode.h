@@ -13,6 +13,7 @@
 #include "shared/base/clock.h"
 #include "shared/base/result.h"
 #include "shared/codec/h264.h"
+#include "shared/codec/hidden_layer.h"
 #include "shared/image/color.h"
 #include "shared/image/plane.h"
 #include "shared/net/client_endpoint.h"
@@ -23,6 +24,8 @@ namespace macula::frames {
 struct DecodedEye {
   image::Plane<Rgb8> color;
   image::Plane<float> inverse_depth_per_m;  ///< 0 = nothing there
+  /// What that hides; meaningful where its mask is 1.
+  std::optional<codec::HiddenLayerPlanes> hidden{};
 };
 
 struct DecodedFrame {
@@ -49,7 +52,7 @@ class FrameDecoder {
 
   /// Errors name the frame and the slice; what leans on the failed frame fails too, until a key
   /// frame comes. An eye's colour must cover its grid; without a depth slice everything is
-  /// infinitely far. Layers beyond the first are passed over.
+  /// infinitely far. Layers beyond the second are passed over.
   Result<DecodedFrame> decode(net::ReceivedFrame received);
 
  private:

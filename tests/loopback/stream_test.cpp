@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "client/app/run_client.h"
+#include "client/app/warp_stage.h"
 #include "shared/base/text.h"
 #include "tests/loopback/server_fixture.h"
 #include "tests/support/chaos_proxy.h"
@@ -115,6 +116,69 @@ void expect_stages_add_up(const display::ClientReport& report) {
     EXPECT_LE(std::chrono::abs(account.times.total - account.times.sum()), units::from_ms(0.2))
         << "frame " << account.id.frame;
   }
+}
+
+/// A viewer that moves past what posts hide.
+client_app::ClientConfig moving_viewer() {
+  client_app::ClientConfig config = small_viewer();
+  config.width_px = config.height_px = 256;
+  config.settings.color_codec = "jpeg";
+  config.frames = 100;
+  return config;
+}
+
+/// A server on the way to which frames take 60 ms, so that they are shown from elsewhere.
+Delays far_server(double view_cell_m) {
+  Delays delays;
+  delays.server.scene = "posts";
+  delays.server.longest_horizon = 100ms;
+  delays.server.most_view_cell_m = view_cell_m;
+  delays.server.delays.render = 60ms;
+  return delays;
+}
+
+TEST_F(Stream, BringsWhatNearSurfacesHideToAClientThatCanDrawIt) {
+  const auto report = run(moving_viewer(), far_server(0.1));
+  EXPECT_EQ(report.ended, display::RunEnd::FramesShown);
+  EXPECT_EQ(report.frames_undecodable, 0U);
+  EXPECT_GT(report.hidden_cells.largest(), 10.0);
+  EXPECT_GT(report.hidden_bytes.mean(), 0.0);
+  EXPECT_LE(report.hidden_bytes.mean(), 0.25 * report.frame_bytes.mean());
+}
+
+// A frame as it came, shown five centimeters from where it was rendered.
+TEST_F(Stream, WhatNearSurfacesHideFillsWhatAMoveUncovers) {
+  LoopbackServerOptions options = far_server(0.3).server;  // a head at rest is given a fifth
+  LoopbackServer server(keys_.path(), options);
+  EndpointClient viewer(server->endpoint(), keys_.path(), server->public_key_z85(), 256, "jpeg");
+  ASSERT_TRUE(viewer.step_until_frames(20));  // by then it has the bytes it may have
+  frames::FrameDecoder decoder(clock_);
+  Result<frames::DecodedFrame> frame = base::bad_input("none came");
+  for (const net::ReceivedFrame& received : viewer.frames()) frame = decoder.decode(received);
+  ASSERT_TRUE(frame) << frame.error().message();
+  const auto guessed = [&](reprojection::WarpOptions::Layers layers) {
+    client_app::WarpStage stage({.layers = layers}, client_app::WarpStage::Depth::Leave);
+    Pose head = frame->begin.views[0].stage_from_view;
+    head.position.x += 0.05;
+    return stage.warp(*frame, head, eye_rig(moving_viewer())).front().filled_px;
+  };
+  EXPECT_GT(guessed(reprojection::WarpOptions::Layers::First), 100U);
+  EXPECT_LT(4 * guessed(reprojection::WarpOptions::Layers::Both),
+            guessed(reprojection::WarpOptions::Layers::First));
+}
+
+// The twin: a client that only turns frames says so, and gets none.
+TEST_F(Stream, BringsNothingHiddenToAClientThatOnlyTurns) {
+  client_app::ClientConfig config = moving_viewer();
+  config.warp = client_app::ClientConfig::Warp::Rotation;
+  EXPECT_EQ(run(config, far_server(0.1)).hidden_cells.largest(), 0.0);
+}
+
+TEST_F(Stream, BoundsHowFarOffAnythingIsShown) {
+  const auto report = run(moving_viewer(), far_server(0.1));
+  EXPECT_EQ(report.bound_p95_px.count(), report.distinct_server_frames);
+  EXPECT_GT(report.bound_p95_px.quantile(0.5), 0.5) << "half a pixel is what cells alone take";
+  EXPECT_LT(report.bound_p95_px.quantile(0.5), 20.0);
 }
 
 TEST_F(Stream, ShowsThreeHundredRefreshesOfARecordedTraceInOrder) {

@@ -53,7 +53,9 @@ Json accounting_json(const ClientReport& report) {
 }
 
 Json reprojection_json(const ClientReport& report) {
-  return {{"filled_share_mean", report.filled_share.mean()},
+  return {{"bound_p95_px", quantiles(report.bound_p95_px)},
+          {"bound_most_px", quantiles(report.bound_most_px)},
+          {"filled_share_mean", report.filled_share.mean()},
           {"filled_share_max", report.filled_share.largest()},
           {"outside_share_mean", report.outside_share.mean()},
           {"outside_share_max", report.outside_share.largest()}};
@@ -73,6 +75,8 @@ Json network_json(const net::ClientCounters& counters) {
 
 Json server_json(const ClientReport& report) {
   Json server = {{"cells_per_frame_p50", report.frame_cells.quantile(0.5)},
+                 {"hidden_cells_per_frame_p50", report.hidden_cells.quantile(0.5)},
+                 {"hidden_bytes_per_frame_p50", report.hidden_bytes.quantile(0.5)},
                  {"rays_per_frame_p50", report.frame_rays.quantile(0.5)}};
   if (report.welcome) {
     const net::Welcome& welcome = *report.welcome;

@@ -44,6 +44,8 @@ struct ClientReport {
   std::uint64_t accounts_incomplete = 0;
   frames::Series filled_share, outside_share;           ///< of a shown eye's pixels
   frames::Series frame_bytes, frame_cells, frame_rays;  ///< of distinct server frames
+  frames::Series bound_p95_px, bound_most_px;           ///< of these: reprojection::ErrorBound
+  frames::Series hidden_cells, hidden_bytes;            ///< of these, of their second layer
   std::optional<net::ClockEstimate> clock;
   net::ClientCounters network;
   std::optional<net::Welcome> welcome;

@@ -120,6 +120,14 @@ TEST(ClientOptions, SayWhatIsWrongAndWhatIsAllowed) {
   EXPECT_NE(complaint({"--oversampling", "1.3"}), "accepted");
 }
 
+TEST(ClientOptions, WarpOnTheWindowsOpenGlOnly) {
+  EXPECT_EQ(config_of({"--display", "window"}).warp_on, ClientConfig::WarpOn::Cpu);
+  EXPECT_EQ(config_of({"--display", "window", "--warp", "gl"}).warp_on, ClientConfig::WarpOn::Gl);
+  EXPECT_NE(complaint({"--display", "headless", "--warp", "gl"}).find("--display window"),
+            std::string::npos);
+  EXPECT_NE(complaint({"--warp", "vulkan"}), "accepted");
+}
+
 TEST(ClientOptions, ShowHelpWithoutRunning) {
   const auto parsed = parse({"--help"});
   ASSERT_TRUE(parsed);

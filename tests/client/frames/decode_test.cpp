@@ -33,6 +33,46 @@ TEST(Decode, GivesBackBothEyesColourAndDepth) {
   EXPECT_EQ(frame->last_byte, ClientTime{units::from_ms(2.0)});
 }
 
+TEST(Decode, GivesBackWhatTheFirstLayerHides) {
+  const base::ManualClock clock;
+  auto received = test::make_received_frame(1, 1);
+  test::add_hidden_layer(received, 1);
+  const auto frame = decode(received, clock);
+  ASSERT_TRUE(frame) << frame.error().message();
+  EXPECT_FALSE(frame->eyes[0].hidden);
+  ASSERT_TRUE(frame->eyes[1].hidden);
+  const codec::HiddenLayerPlanes& hidden = *frame->eyes[1].hidden;
+  const codec::Mask band = test::known_band();
+  for (int y = 0; y < test::kFrameHeight; ++y) {
+    for (int x = 0; x < test::kFrameWidth; ++x) {
+      ASSERT_EQ(hidden.mask(x, y), band(x, y));
+      if (band(x, y) == 0) continue;
+      EXPECT_EQ(hidden.color(x, y), (Rgb8{90, 90, 90}));
+      EXPECT_NEAR(hidden.inverse_depth_per_m(x, y), 0.25F, 1e-4F);
+    }
+  }
+  EXPECT_EQ(frame->eyes[1].color(5, 5), (Rgb8{5, 5, 1})) << "the first layer is as it was";
+}
+
+TEST(Decode, RefusesASecondLayerInAnotherOrderOrOfAnotherSize) {
+  const base::ManualClock clock;
+  const auto refuses = [&](auto spoil) {
+    auto received = test::make_received_frame(1, 1, 1);
+    test::add_hidden_layer(received, 0);
+    spoil(received);
+    return !decode(received, clock);
+  };
+  EXPECT_FALSE(refuses([](auto&) {}));
+  EXPECT_TRUE(refuses([](auto& frame) {
+    std::swap(frame.begin.slices[3], frame.begin.slices[4]);  // colour before its mask
+    std::swap(frame.payloads[3], frame.payloads[4]);
+  }));
+  EXPECT_TRUE(refuses([](auto& frame) { frame.begin.slices[4].rect.width -= 1; }));
+  EXPECT_TRUE(refuses([](auto& frame) { frame.begin.slices[3].rect.height -= 1; }));
+  EXPECT_TRUE(refuses([](auto& frame) { frame.begin.slices[4].codec = net::SliceCodec::H264; }));
+  EXPECT_TRUE(refuses([](auto& frame) { frame.payloads[3].resize(5); }));
+}
+
 TEST(Decode, CountsThePayloadBytes) {
   const base::ManualClock clock;
   const auto received = test::make_received_frame(1, 1, 1);

@@ -4,6 +4,7 @@
 
 #include "shared/codec/color.h"
 #include "shared/codec/depth.h"
+#include "shared/codec/hidden_layer.h"
 #include "shared/foveation/pixel_grid.h"
 #include "shared/net/client_endpoint.h"
 
@@ -61,6 +62,32 @@ inline void add_eye(net::ReceivedFrame& frame, std::uint32_t eye) {
              {0, 0, kFrameWidth, kFrameHeight},
              0},
             depth.bytes);
+}
+
+/// Where known_hidden_layer has something: a diagonal stripe.
+inline codec::Mask known_band() {
+  codec::Mask band(kFrameWidth, kFrameHeight);
+  for (int y = 0; y < kFrameHeight; ++y) band(y, y) = band(y + 1, y) = 1;
+  return band;
+}
+
+/// A grey wall four meters away behind known_band.
+inline void add_hidden_layer(net::ReceivedFrame& frame, std::uint32_t eye) {
+  const image::Rect whole{0, 0, kFrameWidth, kFrameHeight};
+  codec::ColorOptions lossless;
+  lossless.codec = codec::ColorCodec::Lossless;
+  const auto coded = codec::encode_hidden_layer(
+      known_band(), image::Plane<Rgb8>(kFrameWidth, kFrameHeight, Rgb8{90, 90, 90}),
+      image::Plane<float>(kFrameWidth, kFrameHeight, 4.0F), lossless);
+  frame.begin.views[eye].hidden_depth_inverse_scale_per_m = coded->depth.inverse_scale_per_m;
+  add_slice(frame, {eye, 1, net::PlaneKind::Mask, net::SliceCodec::BandMask, whole, 0},
+            coded->mask);
+  add_slice(frame,
+            {eye, 1, net::PlaneKind::Color, net::SliceCodec::Lossless,
+             codec::atlas_rect(known_band()), 0},
+            coded->color);
+  add_slice(frame, {eye, 1, net::PlaneKind::Depth, net::SliceCodec::InverseDepth, whole, 0},
+            coded->depth.bytes);
 }
 
 inline net::ReceivedFrame make_received_frame(std::uint32_t epoch, std::uint64_t number,
