@@ -17,10 +17,11 @@ done
 if [ "$install" = yes ]; then "$root/deploy/install.sh" build package; fi
 
 packages=$root/build/packages
-if [ ! -f build/release/build.ninja ]; then configure release -DMACULA_TESTS=OFF; fi
-cmake --build --preset release --target macula_server macula_client
+# Without MPI: who serves from one machine need not install it (DECISIONS.md).
+configure package
+cmake --build --preset package --target macula_server macula_client
 rm -rf "$packages"
-cpack --config build/release/CPackConfig.cmake -B "$packages" >"$root/build/cpack.log" 2>&1 || {
+cpack --config build/package/CPackConfig.cmake -B "$packages" >"$root/build/cpack.log" 2>&1 || {
   cat "$root/build/cpack.log" >&2
   exit 1
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/app/ladder_file.h"
+#include "server/app/ranks.h"
 #include "server/exporter/exporter.h"
 #include "server/kernels/registry.h"
 #include "server/kernels/scene_timeline.h"
@@ -176,6 +177,8 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   told.keys.clear();  // travels in frames; where keys lie is nobody's business
   told.threads = 0;   // makes no difference to any frame
   told.metrics.clear();
+  told.balance = Options{}.balance;
+  told.rank_timeout_ms = Options{}.rank_timeout_ms;
   config.description = one_line(describe(told));
   return config;
 }
@@ -211,9 +214,10 @@ void print_cost() {
             << std::defaultfloat;
 }
 
-void serve(session::Server& server, const exporter::Exporter* exporter, const Options& options,
-           StopSignal& stop) {
-  constexpr std::chrono::seconds kReport{5};
+/// Serves until a signal comes or, of several ranks, one is lost.
+Result<void> serve(session::Server& server, const exporter::Exporter* exporter,
+                   const Options& options, const Ranks& ranks, StopSignal& stop) {
+  constexpr std::chrono::milliseconds kLook{100}, kReport{5000};
   server.start();
   stop.serving();
   print_cost();
@@ -221,14 +225,47 @@ void serve(session::Server& server, const exporter::Exporter* exporter, const Op
   print_reach(server.endpoint(), options.keys);
   std::cout << "ready on " << server.endpoint() << " public key " << server.public_key_z85()
             << std::endl;
-  while (!stop.wait_for(kReport))
+  auto report_at = std::chrono::steady_clock::now() + kReport;
+  while (!stop.wait_for(ranks ? kLook : kReport)) {
+    if (ranks && !ranks->lost().empty()) {
+      server.stop("a part of the server was lost: " + ranks->lost() + "; it starts again");
+      // MPI ends all ranks as soon as this one lets go of them: there is no later to speak.
+      std::cerr << "macula-server: cluster: " << ranks->lost() << "\n";
+      return base::runtime_error(ranks->lost(), "cluster", "the launcher may start it again");
+    }
+    if (std::chrono::steady_clock::now() < report_at) continue;
+    report_at += kReport;
     if (options.verbose) base::log_info(session::summary_line(server.telemetry()));
+  }
   server.stop();
+  return {};
+}
+
+/// What frames are made with, but for the scene.
+struct Prepared {
+  std::shared_ptr<const kernels::Kernel> kernel;
+  Ladder ladder;
+
+  KernelList kernels() const {
+    KernelList all = ladder.kernels;
+    all.push_back(kernel);
+    return all;
+  }
+  void share(const std::shared_ptr<cluster::Leader>& leader) {
+    ladder.kernels = shared_by_ranks(kernels(), leader);
+    kernel = ladder.kernels.back();
+    ladder.kernels.pop_back();
+  }
+};
+
+/// nullptr: this process is alone.
+std::shared_ptr<cluster::Leader> make_leader(const Options& options, const Ranks& ranks) {
+  return ranks ? std::make_shared<cluster::Leader>(ranks, balance_of(options)) : nullptr;
 }
 
 /// Makes a recording's frames again; the same scene, kernel and options give the same bytes.
-Result<void> replay_scene(const Options& options, const PlannedScene& planned,
-                          std::unique_ptr<kernels::Kernel> kernel, const Ladder& ladder) {
+Result<void> replay_scene(const Options& options, const PlannedScene& planned, Prepared prepared) {
+  const Ladder& ladder = prepared.ladder;
   const auto recording = session::load_recording(options.replay);
   if (!recording) return base::forward(recording);
   auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
@@ -242,7 +279,7 @@ Result<void> replay_scene(const Options& options, const PlannedScene& planned,
     std::cout << "frame " << frame.key.frame << "  " << frame.bytes << " bytes  " << std::hex
               << std::setw(16) << std::setfill('0') << frame.digest << std::dec << "\n";
   };
-  const auto done = session::replay(*recording, config, std::move(*timeline), std::move(kernel),
+  const auto done = session::replay(*recording, config, std::move(*timeline), prepared.kernel,
                                     options.threads, print);
   if (!done) return done;
   std::cout << recording->frames.size() << " frames, digest " << std::hex << std::setw(16)
@@ -250,9 +287,8 @@ Result<void> replay_scene(const Options& options, const PlannedScene& planned,
   return {};
 }
 
-Result<void> serve_scene(const Options& options, const PlannedScene& planned,
-                         std::unique_ptr<kernels::Kernel> kernel, const Ladder& ladder,
-                         StopSignal& stop) {
+Result<void> serve_scene(const Options& options, const PlannedScene& planned, Prepared prepared,
+                         const Ranks& ranks, StopSignal& stop) {
   const base::SteadyClock clock;
   auto endpoint = open_endpoint(options, clock);
   if (!endpoint) return base::forward(endpoint);
@@ -261,11 +297,13 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned,
   session::ServerParts parts;
   parts.endpoint = std::move(*endpoint);
   parts.scene = std::move(*timeline);
-  parts.kernel = std::move(kernel);
+  const auto leader = make_leader(options, ranks);
+  if (leader) prepared.share(leader);
+  parts.kernel = prepared.kernel;
   parts.scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
   parts.clock = &clock;
   parts.random = system_random();
-  session::ServerConfig config = server_config(options, planned, ladder);
+  session::ServerConfig config = server_config(options, planned, prepared.ladder);
   if (!options.record.empty()) {
     auto recorder = session::Recorder::create(options.record, config.description);
     if (!recorder) return base::forward(recorder);
@@ -285,8 +323,60 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned,
     if (!made) return base::forward(made);
     exporter = std::move(*made);
   }
-  serve(**server, exporter.get(), options, stop);
-  return {};
+  auto served = serve(**server, exporter.get(), options, ranks, stop);
+  if (leader) leader->end();
+  return served;
+}
+
+/// A rank that is not the first: makes what that one orders until it ends.
+Result<void> follow_scene(const Options& options, const PlannedScene& planned,
+                          const Prepared& prepared, cluster::MpiRanks& ranks, StopSignal& stop) {
+  auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
+  if (!timeline) return base::forward(timeline);
+  scheduling::TileScheduler scheduler(options.threads);
+  stop.serving();  // signals are rank 0's to answer; it will say when to end
+  const KernelList kernels = prepared.kernels();
+  return cluster::follow(ranks, {kernels, **timeline, scheduler, balance_of(options)});
+}
+
+/// All that has to be the same on every rank.
+std::string agreed(const Options& options, const PlannedScene& planned) {
+  Options same = options;
+  same.bind.clear(), same.keys.clear(), same.metrics.clear(), same.ladders.clear();
+  same.threads = 0, same.verbose = false;
+  return base::concat("version " MACULA_VERSION "\nscene ", planned.scene->name, ", ",
+                      planned.facts.triangles, " triangles, ", planned.facts.lights, " lights, ",
+                      planned.facts.emissive_triangles, " emissive triangles\n", describe(same));
+}
+
+}  // namespace
+
+namespace {
+
+struct Loaded {
+  PlannedScene planned;
+  Prepared prepared;
+};
+
+Result<Loaded> load(const Options& options, const Environment& environment) {
+  auto scene = scene::load_scene(options.scene);
+  if (!scene) return base::forward(scene);
+  PlannedScene planned = plan_scene(options, std::move(*scene));
+  if (auto ok = kernels::check_scene(planned.kernel.kernel, *planned.scene); !ok)
+    return base::forward(ok);
+  auto kernel = kernels::make_kernel(planned.kernel.kernel, kernel_options(options));
+  if (!kernel) return base::forward(kernel);
+  auto ladder = load_ladder(options, environment, std::string(planned.kernel.kernel));
+  if (!ladder) return base::forward(ladder);
+  return Loaded{std::move(planned), {std::move(*kernel), std::move(*ladder)}};
+}
+
+void print_all(const Options& options, const Loaded& loaded, const Ranks& ranks) {
+  std::cout << describe(options);
+  if (ranks) std::cout << "frames are made by " << ranks->size() << " ranks\n";
+  print_assumptions(*loaded.planned.scene);
+  print_plan(loaded.planned);
+  print_ladder(loaded.prepared.ladder, options);
 }
 
 }  // namespace
@@ -298,25 +388,25 @@ Result<void> run(Options options, const Environment& environment, StopSignal& st
     return {};
   }
   if (options.keys.empty()) options.keys = environment.default_key_folder;
-  auto scene = scene::load_scene(options.scene);
-  if (!scene) return base::forward(scene);
-  const PlannedScene planned = plan_scene(options, std::move(*scene));
-  if (auto ok = kernels::check_scene(planned.kernel.kernel, *planned.scene); !ok)
-    return base::forward(ok);
-  auto kernel = kernels::make_kernel(planned.kernel.kernel, kernel_options(options));
-  if (!kernel) return base::forward(kernel);
-
-  const auto ladder = load_ladder(options, environment, std::string(planned.kernel.kernel));
-  if (!ladder) return base::forward(ladder);
-
-  std::cout << describe(options);
-  print_assumptions(*planned.scene);
-  print_plan(planned);
-  print_ladder(*ladder, options);
+  const auto ranks = join_ranks(options, environment);
+  if (!ranks) return base::forward(ranks);
+  const bool follows = *ranks && (*ranks)->rank() != 0;
+  if (follows) std::cout.setstate(std::ios::failbit);  // rank 0 speaks for all
+  auto loaded = load(options, environment);
+  const Result<void> good = loaded ? Result<void>{} : Result<void>(base::forward(loaded));
+  if (*ranks) {
+    const auto agreement = agree(**ranks, good, loaded ? agreed(options, loaded->planned) : "");
+    if (!agreement) return agreement;
+  }
+  if (!good) return good;
+  if (!follows) print_all(options, *loaded, *ranks);
   if (options.explain) return {};
   std::cout << std::flush;
-  if (!options.replay.empty()) return replay_scene(options, planned, std::move(*kernel), *ladder);
-  return serve_scene(options, planned, std::move(*kernel), *ladder, stop);
+  if (!options.replay.empty())
+    return follows ? Result<void>{}
+                   : replay_scene(options, loaded->planned, std::move(loaded->prepared));
+  if (follows) return follow_scene(options, loaded->planned, loaded->prepared, **ranks, stop);
+  return serve_scene(options, loaded->planned, std::move(loaded->prepared), *ranks, stop);
 }
 
 }  // namespace macula::server_app

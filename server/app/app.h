@@ -14,6 +14,7 @@ namespace macula::server_app {
 struct Environment {
   std::string default_key_folder;
   std::string installed_ladders;  ///< folder of quality ladders that came with the program
+  bool launched_by_mpi = false;   ///< mpirun or Slurm started this process as one of several
 };
 
 /// Pairs one client, prints what a person must do, and ends: after success, after two minutes, or

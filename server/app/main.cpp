@@ -1,8 +1,10 @@
 // macula-server: reads arguments and environment, runs, and turns errors into exit statuses.
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 
 #include "server/app/app.h"
 #include "server/app/options.h"
@@ -14,7 +16,8 @@ namespace {
 using namespace macula;
 
 int report(const Error& error) {
-  std::cerr << "macula-server: " << error.message() << "\n";
+  // Where several ranks fail together, one speaks.
+  if (!error.message().empty()) std::cerr << "macula-server: " << error.message() << "\n";
   return error.exit_status();
 }
 
@@ -24,6 +27,13 @@ std::string ladders_beside_program() {
   const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
   if (unknown) return {};
   return (program.parent_path().parent_path() / "share" / "macula" / "ladders").string();
+}
+
+/// Open MPI's mpirun, other launchers by PMI, Slurm by PMIx.
+bool is_launched_by_mpi() {
+  constexpr const char* kSigns[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"};
+  return std::any_of(std::begin(kSigns), std::end(kSigns),
+                     [](const char* name) { return std::getenv(name) != nullptr; });
 }
 
 Result<void> run_command(const server_app::Command& command,
@@ -45,7 +55,7 @@ int guarded_main(int argc, char** argv) {
   server_app::StopSignal stop;
   const server_app::Environment environment{
       net::default_key_folder(std::getenv("XDG_CONFIG_HOME"), std::getenv("HOME")),
-      ladders_beside_program()};
+      ladders_beside_program(), is_launched_by_mpi()};
   const auto done = run_command(*parsed, environment, stop);
   return done ? EXIT_SUCCESS : report(done.error());
 }

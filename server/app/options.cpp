@@ -1,10 +1,13 @@
 #include "server/app/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 #include "server/app/settings_file.h"
+#include "server/scheduling/balance.h"
 #include "shared/base/text.h"
 #include "shared/codec/h264.h"
 #include "shared/foveation/rate.h"
@@ -21,6 +24,7 @@ Examples:
   macula-server --bind tcp://*:7788             serve clients elsewhere
   macula-server clients list                    who may connect; clients revoke NAME takes it back
   macula-server --target-ms 25                  hold a frame time by the kernel's quality ladder
+  mpirun -n 4 --hostfile hosts macula-server    one frame by several machines
   macula-server --quality 4 --color-quality 75  spend less on rays and on bytes
 )";
 
@@ -82,7 +86,13 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--ambient-samples", options.ambient_samples,
                  "Samples of ambient light a primary sample")
       ->capture_default_str();
-  app.add_option("--threads", options.threads, "Render threads; 0 = every core")
+  app.add_option("--balance", options.balance,
+                 "Under mpirun, who runs which tile: predicted, stripes or dynamic")
+      ->capture_default_str();
+  app.add_option("--rank-timeout-ms", options.rank_timeout_ms,
+                 "Under mpirun, how long others wait for a rank before the server ends")
+      ->capture_default_str();
+  app.add_option("--threads", options.threads, "Render threads of each process; 0 = every core")
       ->capture_default_str();
   app.add_flag("--reuse", options.reuse,
                "Kernel ray: trace as densely as --rate-model asks, remember the other cells");
@@ -179,6 +189,11 @@ Result<void> check_options(const Options& o) {
   if (auto ok = in_range("--area-samples", o.area_samples, 1, 1024); !ok) return ok;
   if (auto ok = in_range("--ambient-samples", o.ambient_samples, 0, 1024); !ok) return ok;
   if (auto ok = in_range("--threads", o.threads, 0, 1024); !ok) return ok;
+  if (auto ok = in_range("--rank-timeout-ms", o.rank_timeout_ms, 100, 600'000); !ok) return ok;
+  if (std::ranges::find(scheduling::kBalanceNames, o.balance) ==
+      std::end(scheduling::kBalanceNames))
+    return base::bad_input("no balance is called '" + o.balance + "'", "--balance",
+                           "predicted, stripes or dynamic");
   if (!(o.guard_deg >= 0.0 && o.guard_deg <= 15.0))
     return base::bad_input(base::concat("is ", o.guard_deg), "--guard-deg", "0 to 15");
   if (auto ok = in_range("--predict-ms", o.predict_ms, 0.0, 200.0); !ok) return ok;
@@ -213,7 +228,9 @@ std::string describe(const Options& o) {
        << "\nview_cell_cm = " << o.view_cell_cm << "\nage_ms = " << o.age_ms
        << "\ncolor_quality = " << o.color_quality << "\ncodec = " << quoted(o.codec)
        << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
-       << "\nthreads = " << o.threads << "\nreuse = " << (o.reuse ? "true" : "false")
+       << "\nthreads = " << o.threads << "\nbalance = " << quoted(o.balance)
+       << "\nrank_timeout_ms = " << o.rank_timeout_ms
+       << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
        << "\nmetrics = " << quoted(o.metrics) << "\nverbose = " << (o.verbose ? "true" : "false")
        << '\n';

@@ -30,8 +30,10 @@ struct Options {
   std::string codec = "auto";  ///< auto, jpeg, h264 or lossless
   int area_samples = 8;        ///< per primary sample, over all emissive triangles
   int ambient_samples = 4;     ///< per primary sample
-  int threads = 0;             ///< 0: every core
-  bool reuse = false;          ///< kernel ray takes cells from earlier frames where they still hold
+  int threads = 0;             ///< 0: every core; of each rank
+  std::string balance = "predicted";  ///< who runs which tile where there are several ranks
+  int rank_timeout_ms = 5000;         ///< a rank that lags so far behind the others is lost
+  bool reuse = false;  ///< kernel ray takes cells from earlier frames where they still hold
   bool perceived_lights = false;  ///< kernel lightcuts asks as many lights as the eye would see
   std::string record;             ///< file that what arrives is written to; empty: none
   std::string report;             ///< folder for what became of each frame; empty: nowhere

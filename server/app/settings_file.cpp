@@ -78,6 +78,8 @@ constexpr std::array kKeys{
     Key{"area_samples", apply<&Options::area_samples>},
     Key{"ambient_samples", apply<&Options::ambient_samples>},
     Key{"threads", apply<&Options::threads>},
+    Key{"balance", apply<&Options::balance>},
+    Key{"rank_timeout_ms", apply<&Options::rank_timeout_ms>},
     Key{"reuse", apply<&Options::reuse>},
     Key{"perceived_lights", apply<&Options::perceived_lights>},
     Key{"metrics", apply<&Options::metrics>},

@@ -67,7 +67,7 @@ void TileScheduler::set_stop_token(std::stop_token token) {
 Outcome TileScheduler::run_erased(std::size_t count, void* context,
                                   void (*body)(void*, std::size_t)) {
   // Each run reads the token once: a token set meanwhile concerns the next run.
-  const std::stop_token stop = stop_;
+  const std::stop_token stop = sharing_ == nullptr ? stop_ : std::stop_token{};
   std::atomic<bool> left_out{false};
   const auto run_range = [&](const tbb::blocked_range<std::size_t>& range) {
     const FlushDenormals flush;

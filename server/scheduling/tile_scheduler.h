@@ -17,6 +17,8 @@ namespace macula::scheduling {
 
 enum class Outcome { Completed, Stopped };
 
+class FrameSharing;
+
 class TileScheduler {
  public:
   /// `threads` = 0 takes what the machine offers; the caller of run() is one of them. Tiles run
@@ -29,6 +31,12 @@ class TileScheduler {
   int threads() const;
   /// A stop request makes run() return Stopped after the tiles already begun.
   void set_stop_token(std::stop_token token);
+  const std::stop_token& stop_token() const { return stop_; }
+
+  /// Until share(nullptr), passes that can be (run_shared.h) are split among ranks. The others run
+  /// to their end on every rank: where a frame stops, all ranks have to stop together.
+  void share(FrameSharing* sharing) { sharing_ = sharing; }
+  FrameSharing* sharing() const { return sharing_; }
 
   /// body(std::size_t index) for every index in [0, count), each exactly once unless stopped. What
   /// the bodies wrote is visible to the caller when run() returns.
@@ -72,6 +80,7 @@ class TileScheduler {
   struct Arena;
   std::unique_ptr<Arena> arena_;
   std::stop_token stop_;
+  FrameSharing* sharing_ = nullptr;
 };
 
 }  // namespace macula::scheduling

@@ -105,11 +105,11 @@ void Server::start() {
   encode_ = std::thread([this] { encode_loop(); });
 }
 
-void Server::stop() {
+void Server::stop(const std::string& reason) {
   {
     std::lock_guard lock(mutex_);
     if (std::exchange(stopping_, true)) return;
-    carry_out(table_.stop("the server is stopping"));
+    carry_out(table_.stop(reason));
   }
   may_start_.notify_all();
   free_jobs_.close();

@@ -47,8 +47,9 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   void start();
-  /// Says Bye to every client, stops the frame being rendered and joins the threads. Idempotent.
-  void stop();
+  /// Says Bye, and why, to every client, stops the frame being rendered and joins the threads.
+  /// Idempotent.
+  void stop(const std::string& reason = "the server is stopping");
   Telemetry telemetry() const;
   std::string endpoint() const { return parts_.endpoint->endpoint(); }
   std::string public_key_z85() const { return parts_.endpoint->public_key_z85(); }

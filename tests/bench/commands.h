@@ -32,6 +32,7 @@ Run declare_warp(CLI::App& command, Pace pace);
 Run declare_codecs(CLI::App& command, Pace pace);
 Run declare_maps(CLI::App& command, Pace pace);
 Run declare_streaming(CLI::App& command, Pace pace);
+Run declare_scaling(CLI::App& command, Pace pace);
 Run declare_tradeoff(CLI::App& command, Pace pace);
 Run declare_report(CLI::App& command, Pace pace);
 

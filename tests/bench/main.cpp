@@ -35,6 +35,7 @@ constexpr Experiment kExperiments[] = {
     {"report", "One HTML page of everything that experiments have left behind", declare_report},
     {"ray", "Foveated ray tracing against the full renderer, along a path", declare_ray},
     {"reprojection", "What each way of hiding latency is worth", declare_reprojection},
+    {"scaling", "One frame by several ranks, measured, and modelled on a cluster", declare_scaling},
     {"streaming", "The stream over links that misbehave: ages, bytes, quality", declare_streaming},
     {"tradeoff", "Speed against accuracy: every kernel's knobs, with fronts", declare_tradeoff},
     {"warp", "What the client's warp costs", declare_warp},

@@ -73,6 +73,7 @@ class ServerProcess {
   }
   const std::string& endpoint() const { return endpoint_; }
   void signal(int number) const { program_->signal(number); }
+  pid_t pid() const { return program_->pid(); }
   int status() { return program_->status(); }
   soak::ProcessSize size() const { return soak::size_of(program_->pid(), 0.0); }
   /// From now on its address space may grow by this much and no more.

@@ -37,6 +37,7 @@ OpenEXR/ server/exr
 Imf server/exr
 opencv2/ server/filters
 prometheus/ server/exporter
+mpi\.h server/cluster/mpi
 GLFW/ client/display/window
 epoxy/ client/display/gl tests/support/null_runtime
 openxr/ client/display/openxr tests/support/null_runtime
@@ -75,6 +76,8 @@ may_include() {  # sets `may`; processes cost more than all the rest
     server/filters | server/reconstruction) may="$pictures" ;;
     server/kernels | server/kernels/*)
       may="$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/shading server/lights server/filters server/reconstruction server/sdf" ;;
+    server/cluster) may="$pictures server/kernels server/scheduling server/scene" ;;
+    server/cluster/mpi) may="$low server/scheduling" ;;
     server/disocclusion)
       may="$pictures server/kernels server/scheduling server/sampling server/scene server/visibility server/sdf" ;;
     server/session) may="shared server/scene server/scheduling server/kernels server/disocclusion" ;;
@@ -92,7 +95,7 @@ find_room() {  # shared/image/png.cpp -> shared/image, in `room`
   local parts
   IFS=/ read -ra parts <<<"$1"
   case $1 in
-    server/kernels/*/* | client/display/*/*) room=${parts[0]}/${parts[1]}/${parts[2]} ;;
+    server/kernels/*/* | server/cluster/*/* | client/display/*/*) room=${parts[0]}/${parts[1]}/${parts[2]} ;;
     *) room=${parts[0]}/${parts[1]} ;;
   esac
 }
@@ -123,6 +126,7 @@ while IFS= read -r file; do
   name=${room##*/}
   case $room in
     server/kernels/*) name=kernels ;;
+    server/cluster/*) name=cluster ;;
     client/display/*) name=display ;;
     server/app) name=server_app ;;
     client/app) name=client_app ;;

@@ -9,6 +9,7 @@
 #include "server/sampling/frame.h"
 #include "server/sampling/mappings.h"
 #include "server/sampling/sobol.h"
+#include "server/scheduling/run_shared.h"
 
 namespace macula::kernels::culling {
 namespace {
@@ -115,11 +116,20 @@ CameraLights camera_lights(const SceneFrame& scene, std::span<const ShadingPoint
   made.lights.resize(static_cast<std::size_t>(count));
   constexpr std::size_t kStep = kStreamCapacity;
   std::vector<std::uint64_t> rays((made.lights.size() + kStep - 1) / kStep);
-  const auto outcome = scheduler.run(rays.size(), [&](std::size_t batch) {
-    const std::size_t first = batch * kStep, n = std::min(kStep, made.lights.size() - first);
-    rays[batch] = CameraBatch(scene, points, count, config)
-                      .run(static_cast<int>(first), std::span(made.lights).subspan(first, n));
-  });
+  const auto lights_of = [&](std::size_t batch) {
+    const std::size_t first = batch * kStep;
+    return std::span(made.lights).subspan(first, std::min(kStep, made.lights.size() - first));
+  };
+  const auto outcome = scheduling::run_shared(
+      scheduler, rays.size(), scheduling::Audience::EveryRank, scheduling::nowhere(rays.size()),
+      [&](std::size_t batch) {
+        rays[batch] = CameraBatch(scene, points, count, config)
+                          .run(static_cast<int>(batch * kStep), lights_of(batch));
+      },
+      [&](std::size_t batch, scheduling::Parcel& parcel) {
+        parcel.value(rays[batch]);
+        parcel.values(lights_of(batch));
+      });
   made.stopped = outcome == scheduling::Outcome::Stopped;
   for (const std::uint64_t traced : rays) made.rays += traced;
   std::erase_if(made.lights,

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "server/kernels/culling/local_openness.h"
+#include "server/scheduling/run_shared.h"
 #include "shared/image/color.h"
 
 namespace macula::kernels::culling {
@@ -139,14 +140,22 @@ Contributions contributions(const SceneFrame& scene, std::span<const VirtualPoin
   }
   const auto step = static_cast<std::size_t>(LightBatch::lights_of(config));
   std::vector<std::uint64_t> rays((lights.size() + step - 1) / step);
-  const auto outcome = scheduler.run(rays.size(), [&](std::size_t batch) {
-    const std::size_t first = batch * step, count = std::min(step, lights.size() - first);
-    rays[batch] =
-        LightBatch(scene, points, config, least_m, frame, maps ? &*maps : nullptr, around_points)
-            .run(first, lights.subspan(first, count),
-                 std::span(made.unhidden).subspan(first, count),
-                 std::span(made.visible).subspan(first, count));
-  });
+  const auto part_of = [&](auto& all, std::size_t batch) {
+    return std::span(all).subspan(batch * step, std::min(step, all.size() - batch * step));
+  };
+  const auto outcome = scheduling::run_shared(
+      scheduler, rays.size(), scheduling::Audience::EveryRank, scheduling::nowhere(rays.size()),
+      [&](std::size_t batch) {
+        rays[batch] = LightBatch(scene, points, config, least_m, frame, maps ? &*maps : nullptr,
+                                 around_points)
+                          .run(batch * step, part_of(lights, batch), part_of(made.unhidden, batch),
+                               part_of(made.visible, batch));
+      },
+      [&](std::size_t batch, scheduling::Parcel& parcel) {
+        parcel.value(rays[batch]);
+        parcel.values(part_of(made.unhidden, batch));
+        parcel.values(part_of(made.visible, batch));
+      });
   for (const std::uint64_t traced : rays) made.rays += traced;
   made.stopped = outcome == scheduling::Outcome::Stopped;
   return made;

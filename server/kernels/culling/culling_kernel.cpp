@@ -164,8 +164,9 @@ FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame&
   memory.made = kept.made, memory.kept = kept.lights.size(), memory.stages = kept.stages;
   StageClock clock;
   if (!report.stopped) {
-    report += ray::render_full(request, scene, in_cells ? setup.lit() : setup.lamps_alone(),
-                               scheduler, out, kept.cut_nodes);
+    report +=
+        ray::render_full(request, scene, in_cells ? setup.lit() : setup.lamps_alone(), scheduler,
+                         out, exact ? Audience::RankZero : Audience::EveryRank, kept.cut_nodes);
   }
   memory.stages.shading_ms = clock.lap_ms();
   if (!report.stopped && !exact)

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/kernels/culling/same_surface.h"
+#include "server/kernels/parcels.h"
 #include "server/reconstruction/backward_warp.h"
 #include "shared/foveation/eccentricity.h"
 
@@ -104,10 +105,14 @@ Plane<Rgb> shared_light(const View& view, const ViewBuffers& buffers, int reach,
                         TileScheduler& scheduler) {
   const Sharing sharing(view, buffers, reach);
   Plane<Rgb> light(buffers.light.width(), buffers.light.height());
-  scheduler.run(static_cast<std::size_t>(light.height()), [&](std::size_t row) {
-    const int y = static_cast<int>(row);
-    for (int x = 0; x < light.width(); ++x) light(x, y) = sharing.at(x, y);
-  });
+  const auto rows = static_cast<std::size_t>(light.height());
+  scheduling::run_shared(
+      scheduler, rows, Audience::EveryRank, scheduling::by_rows(rows),
+      [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < light.width(); ++x) light(x, y) = sharing.at(x, y);
+      },
+      [&](std::size_t row, Parcel& parcel) { parcel.values(light.row(static_cast<int>(row))); });
   return light;
 }
 
@@ -116,7 +121,7 @@ void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& th
   const Remembering memory(view, buffers, then);
   const Plane<Rgb> now = light;
   const double largest = std::max(largest_eccentricity(view), 1e-6);  // radians; a view has width
-  scheduler.run(static_cast<std::size_t>(light.height()), [&](std::size_t row) {
+  const auto remember_row = [&](std::size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < light.width(); ++x) {
       const auto known = memory.at(x, y);
@@ -126,7 +131,11 @@ void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& th
       const Rgb kept = glm::clamp(*known, range.low, range.high);
       light(x, y) = glm::mix(kept, now(x, y), newest);
     }
-  });
+  };
+  const auto rows = static_cast<std::size_t>(light.height());
+  scheduling::run_shared(
+      scheduler, rows, Audience::EveryRank, scheduling::by_rows(rows), remember_row,
+      [&](std::size_t row, Parcel& parcel) { parcel.values(light.row(static_cast<int>(row))); });
 }
 
 int clamp_window(float q) {

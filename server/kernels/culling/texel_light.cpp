@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/kernels/culling/same_surface.h"
+#include "server/kernels/parcels.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/tile.h"
 
@@ -123,14 +124,21 @@ class TexelMix {
   const Plane<Rgb>& texels_;
 };
 
-FrameReport render_asked(const ray::ViewContext& context, std::span<const Pixel> cells,
-                         TileScheduler& scheduler, ViewBuffers& out) {
+FrameReport render_asked(const ray::ViewContext& context, std::size_t view,
+                         std::span<const Pixel> cells, TileScheduler& scheduler, ViewBuffers& out) {
   constexpr std::size_t kStep = visibility::kStreamCapacity;
   std::vector<FrameReport> parts((cells.size() + kStep - 1) / kStep);
-  const auto outcome = scheduler.run(parts.size(), [&](std::size_t part) {
-    const std::size_t first = part * kStep, count = std::min(kStep, cells.size() - first);
-    parts[part] = ray::render_cells(context, cells.subspan(first, count), out);
-  });
+  const auto cells_of = [&](std::size_t part) {
+    return cells.subspan(part * kStep, std::min(kStep, cells.size() - part * kStep));
+  };
+  const auto outcome = scheduling::run_shared(
+      scheduler, parts.size(), Audience::EveryRank,
+      by_batches(cells, kStep, context.view.grid, view),
+      [&](std::size_t part) { parts[part] = ray::render_cells(context, cells_of(part), out); },
+      [&](std::size_t part, Parcel& parcel) {
+        carry(parts[part], parcel);
+        parcel.cells(out.light, cells_of(part));
+      });
   FrameReport report;
   for (const FrameReport& part : parts) report += part;
   report.stopped = outcome == scheduling::Outcome::Stopped;
@@ -153,18 +161,22 @@ FrameReport add_texel_light(const FrameRequest& request, std::size_t view, const
       cells_asked(map, shown.grid, config.virtual_lights.lights->classes(), request);
   ray::ViewContext context(shown, scene, virtual_only, request, out.wanted);
   context.light_class = &asked.light_class;
-  FrameReport report = render_asked(context, asked.cells, scheduler, out.views.front());
+  FrameReport report = render_asked(context, view, asked.cells, scheduler, out.views.front());
   if (report.stopped) return report;
   const SameSurface same(shown, surfaces);
   Plane<Rgb> texels(map.width(), map.height());
   const TexelSharing sharing(map, same, out.views.front().light, reach);
-  scheduler.run(static_cast<std::size_t>(map.height()), [&](std::size_t row) {
-    const int v = static_cast<int>(row);
-    for (int u = 0; u < map.width(); ++u) texels(u, v) = sharing.at(u, v);
-  });
+  const auto texel_rows = static_cast<std::size_t>(map.height());
+  scheduling::run_shared(
+      scheduler, texel_rows, Audience::EveryRank, scheduling::by_rows(texel_rows, view),
+      [&](std::size_t row) {
+        const int v = static_cast<int>(row);
+        for (int u = 0; u < map.width(); ++u) texels(u, v) = sharing.at(u, v);
+      },
+      [&](std::size_t row, Parcel& parcel) { parcel.values(texels.row(static_cast<int>(row))); });
   const TexelMix mix(map, same, texels);
   std::vector<std::vector<Pixel>> alone(static_cast<std::size_t>(light.height()));
-  scheduler.run(alone.size(), [&](std::size_t row) {
+  const auto mix_row = [&](std::size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < light.width(); ++x) {
       if (!std::isfinite(surfaces.depth_m(x, y))) continue;
@@ -172,10 +184,16 @@ FrameReport add_texel_light(const FrameRequest& request, std::size_t view, const
       if (mixed) light(x, y) += *mixed;
       if (!mixed) alone[row].push_back({x, y});
     }
-  });
+  };
+  scheduling::run_shared(scheduler, alone.size(), Audience::EveryRank,
+                         scheduling::by_rows(alone.size(), view), mix_row,
+                         [&](std::size_t row, Parcel& parcel) {
+                           parcel.values(light.row(static_cast<int>(row)));
+                           parcel.vector(alone[row]);
+                         });
   std::vector<Pixel> cells;
   for (const auto& row : alone) cells.insert(cells.end(), row.begin(), row.end());
-  report += render_asked(context, cells, scheduler, out.views.front());
+  report += render_asked(context, view, cells, scheduler, out.views.front());
   for (const Pixel& cell : cells) light(cell.x, cell.y) += out.views.front().light(cell.x, cell.y);
   return report;
 }

@@ -170,8 +170,9 @@ void add_cut_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPl
   asker.finish();
 }
 
-FrameReport draw_low_picture(const SceneFrame& scene, const ViewSurfaces& surfaces, int nodes,
-                             TileScheduler& scheduler, LowPicture& picture) {
+FrameReport draw_low_picture(const SceneFrame& scene, const ViewSurfaces& surfaces,
+                             std::size_t view, int nodes, TileScheduler& scheduler,
+                             LowPicture& picture) {
   picture.width = surfaces.width, picture.height = surfaces.height;
   const auto count = static_cast<std::size_t>(surfaces.width * surfaces.height);
   picture.pixels.assign(count, LowSamples({}, {}));
@@ -183,9 +184,16 @@ FrameReport draw_low_picture(const SceneFrame& scene, const ViewSurfaces& surfac
     }
   }
   std::vector<ray::LightingWork> parts(surfaces.tiles.size());
-  const auto outcome = scheduler.run(parts.size(), [&](std::size_t k) {
-    parts[k] = LowTile(scene, surfaces.tiles[k], nodes).run(picture);
-  });
+  const auto outcome = scheduling::run_shared(
+      scheduler, parts.size(), Audience::EveryRank, [&] { return surfaces.places(view); },
+      [&](std::size_t k) { parts[k] = LowTile(scene, surfaces.tiles[k], nodes).run(picture); },
+      [&](std::size_t k, Parcel& parcel) {
+        parcel.value(parts[k]);
+        for (std::size_t i = 0; i < surfaces.tiles[k].points.count; ++i) {
+          const image::Pixel at = surfaces.tiles[k].pixel(i);
+          picture.pixels[static_cast<std::size_t>(at.y * surfaces.width + at.x)].carry(parcel);
+        }
+      });
   FrameReport report;
   for (const ray::LightingWork& part : parts) {
     report.shadow_rays += part.shadow_rays, report.trace_ms += part.trace_ms;

@@ -41,8 +41,9 @@ void add_cut_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPl
                    CutWork& work, std::span<Rgb> slots);
 
 /// Draws the samples of every pixel of a low-resolution picture, `nodes` nodes a cut and those that
-/// are dark there, and sees what they bring.
-FrameReport draw_low_picture(const SceneFrame& scene, const ViewSurfaces& surfaces, int nodes,
-                             TileScheduler& scheduler, LowPicture& picture);
+/// are dark there, and sees what they bring. `view`: the surfaces' number.
+FrameReport draw_low_picture(const SceneFrame& scene, const ViewSurfaces& surfaces,
+                             std::size_t view, int nodes, TileScheduler& scheduler,
+                             LowPicture& picture);
 
 }  // namespace macula::kernels::lightcuts

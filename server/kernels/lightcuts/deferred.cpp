@@ -31,7 +31,7 @@ std::vector<LowPicture> draw_low(const FrameRequest& request, const SceneFrame& 
   std::vector<LowPicture> pictures(views.size());
   for (std::size_t v = 0; v < views.size() && !report.stopped; ++v) {
     pictures[v].factor = config.low_resolution;
-    report += draw_low_picture(scene, surfaces[v], config.kept_nodes, scheduler, pictures[v]);
+    report += draw_low_picture(scene, surfaces[v], v, config.kept_nodes, scheduler, pictures[v]);
   }
   return pictures;
 }
@@ -112,14 +112,31 @@ class Frame {
     light_.resize(view.width, view.height);
     std::ranges::fill(light_.pixels(), Rgb{0.0F});
     std::vector<FrameReport> parts(view.tiles.size());
-    const auto outcome = scheduler_.run(parts.size(), [&](std::size_t k) {
-      parts[k] = light_tile(view.tiles[k], cuts(v), last, kept);
-    });
+    const CutPlan plan = cuts(v);
+    const auto outcome = scheduling::run_shared(
+        scheduler_, parts.size(), Audience::EveryRank, [&] { return places(v, plan); },
+        [&](std::size_t k) { parts[k] = light_tile(view.tiles[k], plan, last, kept); },
+        [&](std::size_t k, Parcel& parcel) {
+          kernels::carry(parts[k], parcel);
+          parcel.rect(light_, view.tiles[k].rect);
+          parcel.rect(kept.reservoirs, view.tiles[k].rect);
+        });
     for (const FrameReport& part : parts) report_ += part;
     report_.stopped |= outcome == scheduling::Outcome::Stopped;
     if (!report_.stopped && denoises()) smooth(v, last, kept);
     for (std::size_t k = 0; k < view.tiles.size() && !report_.stopped; ++k) deliver(v, k);
     if (!report_.stopped && denoises()) steady(v, last, kept);
+  }
+  /// A tile's work: the nodes its cells ask, and what every cell costs.
+  std::vector<scheduling::TilePlace> places(std::size_t v, const CutPlan& plan) const {
+    std::vector<scheduling::TilePlace> places = surfaces_[v].places(v);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const image::Rect& rect = surfaces_[v].tiles[k].rect;
+      for (int y = rect.y; y < rect.y + rect.height; ++y)
+        for (int x = rect.x; x < rect.x + rect.width; ++x)
+          places[k].work += static_cast<float>(plan.nodes(x, y));
+    }
+    return places;
   }
   FrameReport light_tile(const SurfaceTile& tile, const CutPlan& plan, const KeptView* last,
                          KeptView& kept) {

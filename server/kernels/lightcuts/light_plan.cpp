@@ -37,7 +37,7 @@ FrameReport render_low(const FrameRequest& request, const SceneFrame& scene, con
     const Plane<std::uint16_t> nodes(view.width, view.height,
                                      static_cast<std::uint16_t>(config.low_nodes));
     std::vector<CutWork> works(view.tiles.size());
-    const auto outcome = scheduler.run(view.tiles.size(), [&](std::size_t k) {
+    const auto light_tile = [&](std::size_t k) {
       const SurfaceTile& tile = view.tiles[k];
       std::vector<Rgb> light(tile.points.count, Rgb{0.0F});
       add_lights_apart(scene, tile.points, works[k].lighting, light);
@@ -47,7 +47,14 @@ FrameReport render_low(const FrameRequest& request, const SceneFrame& scene, con
         const image::Pixel at = tile.pixel(i);
         out.views[v].radiance(at.x, at.y) += light[i];
       }
-    });
+    };
+    const auto outcome = scheduling::run_shared(
+        scheduler, view.tiles.size(), Audience::EveryRank, [&] { return view.places(v); },
+        light_tile,
+        [&](std::size_t k, Parcel& parcel) {
+          parcel.value(works[k]);
+          parcel.rect(out.views[v].radiance, view.tiles[k].rect);
+        });
     for (const CutWork& work : works) report.shadow_rays += work.lighting.shadow_rays;
     report.stopped |= outcome == scheduling::Outcome::Stopped;
   }

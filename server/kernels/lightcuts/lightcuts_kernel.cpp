@@ -16,7 +16,8 @@ FrameReport render_by_ray(const FrameRequest& request, const SceneFrame& scene,
   if (plan.report.stopped) return plan.report;
   ray::Config settings = config.ray;
   settings.area_light_samples = config.most_nodes;
-  FrameReport report = ray::render_full(request, scene, settings, scheduler, out, plan.cut_nodes);
+  FrameReport report = ray::render_full(request, scene, settings, scheduler, out,
+                                        Audience::RankZero, plan.cut_nodes);
   report += plan.report;
   return report;
 }

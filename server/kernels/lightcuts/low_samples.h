@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "server/lights/light_walk.h"
+#include "server/scheduling/parcel.h"
 
 namespace macula::kernels::lightcuts {
 
@@ -31,6 +32,10 @@ class LowSamples {
   /// Of any order; no node below another. `receiver` is the low pixel's point.
   LowSamples(const lights::Receiver& receiver, std::vector<LowSample> samples);
 
+  void carry(scheduling::Parcel& parcel) {
+    parcel.value(receiver_), parcel.vector(samples_);
+    parcel.vector(first_), parcel.vector(shares_);
+  }
   const lights::Receiver& receiver() const { return receiver_; }
   std::span<const LowSample> samples() const { return samples_; }
   /// A leaf of `node` for u in [0, 1), with its probability given the node (of draws of samples and

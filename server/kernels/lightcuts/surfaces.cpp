@@ -187,6 +187,14 @@ class TileShot {
   std::array<sampling::SampleKey, sampling::kBatch> keys_;
 };
 
+void carry_reflectors(shading::ReflectorBatch& batch, std::size_t n, Parcel& parcel) {
+  for (auto* each : {&batch.shading, &batch.geometric, &batch.to_eye, &batch.diffuse, &batch.f0,
+                     &batch.reflectance}) {
+    kernels::carry(*each, n, parcel);
+  }
+  for (auto* each : {&batch.f90, &batch.cos_v, &batch.alpha}) kernels::carry(*each, n, parcel);
+}
+
 void lay_out(const PixelGrid& grid, ViewSurfaces& view) {
   constexpr int kSide = ray::kTileSide;
   view.width = grid.width(), view.height = grid.height();
@@ -202,6 +210,28 @@ void lay_out(const PixelGrid& grid, ViewSurfaces& view) {
 
 }  // namespace
 
+std::vector<scheduling::TilePlace> ViewSurfaces::places(std::size_t index) const {
+  std::vector<scheduling::TilePlace> places;
+  for (const SurfaceTile& tile : tiles)
+    places.push_back(scheduling::place_of(tile.rect, width, height, index));
+  return places;
+}
+
+void carry(SurfaceTile& tile, Parcel& parcel) {
+  ray::LitPoints& points = tile.points;
+  parcel.value(points.count), parcel.value(points.sample), parcel.value(points.keeps_whole);
+  const std::size_t n = points.count;
+  kernels::carry(points.position, n, parcel);
+  kernels::carry(points.ray_origin, n, parcel);
+  carry_reflectors(points.reflectors, n, parcel);
+  parcel.vector(points.whole);
+  parcel.values(std::span(points.keys, n));
+  parcel.vector(points.cut_nodes);
+  parcel.vector(points.light_class);
+  parcel.values(std::span<std::uint16_t>(tile.cell_of).first(n));
+  parcel.values(std::span<std::uint16_t>(tile.point_of));
+}
+
 FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,
                            const ray::Config& config, TileScheduler& scheduler,
                            std::vector<ViewSurfaces>& surfaces, FrameBuffers& out) {
@@ -212,9 +242,14 @@ FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,
     lay_out(request.views[v].grid, view);
     const Shot shot(request, request.views[v], scene, config, out.wanted);
     std::vector<FrameReport> parts(view.tiles.size());
-    const auto outcome = scheduler.run(parts.size(), [&](std::size_t k) {
-      parts[k] = TileShot(shot, view.tiles[k], out.views[v]).run();
-    });
+    const auto outcome = scheduling::run_shared(
+        scheduler, parts.size(), Audience::EveryRank, [&] { return view.places(v); },
+        [&](std::size_t k) { parts[k] = TileShot(shot, view.tiles[k], out.views[v]).run(); },
+        [&](std::size_t k, Parcel& parcel) {
+          kernels::carry(parts[k], parcel);
+          kernels::carry(out.views[v], view.tiles[k].rect, parcel);
+          carry(view.tiles[k], parcel);
+        });
     for (const FrameReport& part : parts) report += part;
     report.stopped |= outcome == scheduling::Outcome::Stopped;
   }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/kernels/parcels.h"
 #include "server/kernels/ray/lighting.h"
 #include "server/kernels/ray/tile.h"
 
@@ -38,11 +39,16 @@ struct SurfaceAt {
   Vec3 normal() const { return points->reflectors.shading[index]; }
 };
 
+/// For another rank; whole vectors are filled before they are read there, too.
+void carry(SurfaceTile& tile, scheduling::Parcel& parcel);
+
 struct ViewSurfaces {
   int columns = 0;  ///< tiles in a row of tiles
   int width = 0, height = 0;
   std::vector<SurfaceTile> tiles;
 
+  /// Of its tiles, view number `index`.
+  std::vector<scheduling::TilePlace> places(std::size_t index) const;
   SurfaceAt at(int x, int y) const {
     const int side = ray::kTileSide;
     const SurfaceTile& tile = tiles[static_cast<std::size_t>(y / side * columns + x / side)];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/kernels/parcels.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/cache.h"
 #include "server/kernels/ray/merge.h"
@@ -30,16 +31,30 @@ class Stage {
   template <class Body>
   Outcome run(std::size_t count, Body&& body) {
     std::vector<double> spent(count, 0.0);
-    const Outcome outcome = scheduler_.run(count, [&](std::size_t index) {
-      const double begin = scheduling::thread_cpu_ms();
-      body(index);
-      spent[index] = scheduling::thread_cpu_ms() - begin;
-    });
+    const Outcome outcome = scheduler_.run(count, timed(body, spent));
+    for (const double ms : spent) total_ms_ += ms;
+    return outcome;
+  }
+  /// Tasks that may run on other ranks, whose time is not counted here.
+  template <class Places, class Body, class Outputs>
+  Outcome run_shared(std::size_t count, const Places& places, Body&& body, const Outputs& outputs) {
+    std::vector<double> spent(count, 0.0);
+    const Outcome outcome = scheduling::run_shared(scheduler_, count, Audience::EveryRank, places,
+                                                   timed(body, spent), outputs);
     for (const double ms : spent) total_ms_ += ms;
     return outcome;
   }
 
  private:
+  template <class Body>
+  static auto timed(Body& body, std::vector<double>& spent) {
+    return [&body, &spent](std::size_t index) {
+      const double begin = scheduling::thread_cpu_ms();
+      body(index);
+      spent[index] = scheduling::thread_cpu_ms() - begin;
+    };
+  }
+
   TileScheduler& scheduler_;
   double& total_ms_;
 };
@@ -117,12 +132,21 @@ class ViewFrame {
 
   Outcome trace(const std::vector<image::Pixel>& cells) {
     std::vector<FrameReport> parts(batch_count(cells));
-    const Outcome outcome =
-        Stage(scheduler_, report_.sample_ms).run(parts.size(), [&](std::size_t batch) {
-          const std::span<const image::Pixel> part = batch_of(cells, batch);
-          parts[batch] = render_cells(context_, part, fresh_);
-          for (const auto& [x, y] : part) memory_.chroma(x, y) = chroma_of(fresh_, x, y);
-        });
+    const Outcome outcome = Stage(scheduler_, report_.sample_ms)
+                                .run_shared(
+                                    parts.size(), by_batches(cells, kBatch, view_.grid, index_),
+                                    [&](std::size_t batch) {
+                                      const auto part = batch_of(cells, batch);
+                                      parts[batch] = render_cells(context_, part, fresh_);
+                                      for (const auto& [x, y] : part)
+                                        memory_.chroma(x, y) = chroma_of(fresh_, x, y);
+                                    },
+                                    [&](std::size_t batch, Parcel& parcel) {
+                                      const auto part = batch_of(cells, batch);
+                                      kernels::carry(parts[batch], parcel);
+                                      kernels::carry(fresh_, part, parcel);
+                                      parcel.cells(memory_.chroma, part);
+                                    });
     for (const FrameReport& part : parts) report_ += part;
     return outcome;
   }

@@ -35,7 +35,7 @@ FrameBuffers trace_surfaces(const FrameRequest& request, const SceneFrame& scene
   FrameBuffers buffers;
   buffers.wanted = wanted;
   prepare_buffers(request.views, buffers);
-  report += render_full(request, scene, guide, scheduler, buffers);
+  report += render_full(request, scene, guide, scheduler, buffers, Audience::EveryRank);
   return buffers;
 }
 

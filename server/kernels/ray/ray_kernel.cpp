@@ -23,8 +23,9 @@ FrameReport RayKernel::render(const FrameRequest& request, const SceneFrame& sce
                               History& history, TileScheduler& scheduler, FrameBuffers& out) const {
   prepare_buffers(request.views, out);
   const bool foveated = config_.mode == Mode::Fast && config_.foveated.method == Method::Foveated;
-  FrameReport report = foveated ? render_foveated(request, scene, config_, history, scheduler, out)
-                                : render_full(request, scene, config_, scheduler, out);
+  FrameReport report =
+      foveated ? render_foveated(request, scene, config_, history, scheduler, out)
+               : render_full(request, scene, config_, scheduler, out, Audience::RankZero);
   if (!report.stopped) {
     report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
   }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/kernels/parcels.h"
 #include "server/kernels/sphere/detail.h"
 #include "server/kernels/sphere/edges.h"
 #include "server/kernels/sphere/fill.h"
@@ -138,13 +139,28 @@ class MidWriter {
 };
 
 /// Tiles of a grid, in the order of a picture.
-std::vector<image::Rect> tiles_of(const PixelGrid& grid) {
+std::vector<image::Rect> tiles_of(const PixelGrid& grid, int side) {
   std::vector<image::Rect> tiles;
-  for (int y = 0; y < grid.height(); y += sdf::kTileSide)
-    for (int x = 0; x < grid.width(); x += sdf::kTileSide)
-      tiles.push_back({x, y, std::min(sdf::kTileSide, grid.width() - x),
-                       std::min(sdf::kTileSide, grid.height() - y)});
+  for (int y = 0; y < grid.height(); y += side)
+    for (int x = 0; x < grid.width(); x += side)
+      tiles.push_back({x, y, std::min(side, grid.width() - x), std::min(side, grid.height() - y)});
   return tiles;
+}
+
+/// A tile's work: the cells that are traced, and a few for what all tiles do.
+std::vector<scheduling::TilePlace> places_of(const std::vector<image::Rect>& tiles,
+                                             const PixelGrid& grid,
+                                             const Plane<std::uint8_t>* mask) {
+  std::vector<scheduling::TilePlace> places;
+  for (const image::Rect& tile : tiles) {
+    places.push_back(scheduling::place_of(tile, grid.width(), grid.height()));
+    if (mask == nullptr) continue;
+    int cells = 16;
+    for (int y = tile.y; y < tile.y + tile.height; ++y)
+      for (int x = tile.x; x < tile.x + tile.width; ++x) cells += (*mask)(x, y) != 0;
+    places.back().work = static_cast<float>(cells);
+  }
+  return places;
 }
 
 FrameReport report_of(const sdf::TraceCounts& counts, const ShadeWork& shading) {
@@ -171,7 +187,7 @@ class ViewRun {
     } else if (context_.config.tracing == Tracing::PaperPyramid) {
       trace_paper_pyramid();
     } else {
-      trace_cells(context_.config.samples_per_cell, nullptr);
+      trace_cells(context_.config.samples_per_cell, nullptr, Audience::RankZero);
     }
     return report_;
   }
@@ -180,18 +196,23 @@ class ViewRun {
   void foveated(const ViewHistory* last, ViewHistory& now);
   LowLevel trace_low(const PixelGrid& low_grid);
   void trace_mid(const PixelGrid& mid_grid, MidLevel& mid);
-  void trace_cells(int samples, const Plane<std::uint8_t>* mask);
+  void trace_cells(int samples, const Plane<std::uint8_t>* mask, Audience audience);
   void trace_detail(MidLevel& mid, Plane<std::uint8_t>& finished);
 
   void trace_paper_pyramid();
 
   /// Every tile of a grid: `begin()` makes what takes one tile's blocks, `trace_tile(tile,
   /// workspace, done)` hands them over.
-  template <class Begin, class Tile>
-  void run_tiles(const PixelGrid& grid, Begin begin, Tile trace_tile);
-  template <class Begin>
+  /// `outputs(tile, parcel)`: what its blocks are written to; nullptr: every rank runs all tiles.
+  template <class Begin, class Tile, class Outputs>
+  void run_tiles(const PixelGrid& grid, const Plane<std::uint8_t>* mask, Audience audience,
+                 Begin begin, Tile trace_tile, Outputs outputs);
+  template <class Begin, class Outputs>
   void trace(const PixelGrid& grid, int samples, int side, const Plane<std::uint8_t>* mask,
-             Begin begin);
+             Audience audience, Begin begin, Outputs outputs);
+  auto cells_written() {
+    return [this](const image::Rect& tile, Parcel& parcel) { kernels::carry(out_, tile, parcel); };
+  }
 
   const ViewContext& context_;
   TileScheduler& scheduler_;
@@ -200,18 +221,31 @@ class ViewRun {
   FrameReport report_;
 };
 
-template <class Begin, class Tile>
-void ViewRun::run_tiles(const PixelGrid& grid, Begin begin, Tile trace_tile) {
+template <class Begin, class Tile, class Outputs>
+void ViewRun::run_tiles(const PixelGrid& grid, const Plane<std::uint8_t>* mask, Audience audience,
+                        Begin begin, Tile trace_tile, Outputs outputs) {
   if (report_.stopped) return;
-  const std::vector<image::Rect> tiles = tiles_of(grid);
+  const std::vector<image::Rect> tiles =
+      tiles_of(grid, scheduler_.sharing() == nullptr ? sdf::kTileSide : sdf::kBlockSide);
   std::vector<sdf::TraceCounts> counts(tiles.size());
   std::vector<ShadeWork> shading(tiles.size());
-  const Outcome outcome = scheduler_.run(tiles.size(), [&](std::size_t i) {
+  const auto run_tile = [&](std::size_t i) {
     WorkspacePool::Loan workspace(pool_);
     auto take = begin();
     counts[i] = trace_tile(tiles[i], *workspace, std::ref(take));
     shading[i] = take.work();
-  });
+  };
+  Outcome outcome = Outcome::Completed;
+  if constexpr (std::is_null_pointer_v<Outputs>) {
+    outcome = scheduler_.run(tiles.size(), run_tile);
+  } else {
+    outcome = scheduling::run_shared(
+        scheduler_, tiles.size(), audience, [&] { return places_of(tiles, grid, mask); }, run_tile,
+        [&](std::size_t i, Parcel& parcel) {
+          parcel.value(counts[i]), parcel.value(shading[i]);
+          outputs(tiles[i], parcel);
+        });
+  }
   sdf::TraceCounts sum;
   for (const sdf::TraceCounts& part : counts) sum += part;
   ShadeWork shaded;
@@ -220,13 +254,16 @@ void ViewRun::run_tiles(const PixelGrid& grid, Begin begin, Tile trace_tile) {
   report_.stopped = report_.stopped || outcome == Outcome::Stopped;
 }
 
-template <class Begin>
+template <class Begin, class Outputs>
 void ViewRun::trace(const PixelGrid& grid, int samples, int side, const Plane<std::uint8_t>* mask,
-                    Begin begin) {
+                    Audience audience, Begin begin, Outputs outputs) {
   const sdf::Tracer tracer = make_tracer(context_, grid, samples, side);
-  run_tiles(grid, begin, [&](const image::Rect& tile, sdf::TraceWorkspace& workspace, auto done) {
-    return tracer.trace(tile, mask, workspace, done);
-  });
+  run_tiles(
+      grid, mask, audience, begin,
+      [&](const image::Rect& tile, sdf::TraceWorkspace& workspace, auto done) {
+        return tracer.trace(tile, mask, workspace, done);
+      },
+      outputs);
 }
 
 /// Shades blocks and passes their samples on to a writer.
@@ -244,11 +281,12 @@ class ShadeInto {
   Writer writer_;
 };
 
-void ViewRun::trace_cells(int samples, const Plane<std::uint8_t>* mask) {
+void ViewRun::trace_cells(int samples, const Plane<std::uint8_t>* mask, Audience audience) {
   const PixelGrid& grid = context_.view.grid;
-  trace(grid, samples, 1, mask, [&] {
-    return ShadeInto(context_, grid, samples, CellWriter(context_, grid, samples, out_));
-  });
+  trace(
+      grid, samples, 1, mask, audience,
+      [&] { return ShadeInto(context_, grid, samples, CellWriter(context_, grid, samples, out_)); },
+      cells_written());
 }
 
 /// Takes nothing: levels that only guide the next.
@@ -273,10 +311,19 @@ void ViewRun::trace_paper_pyramid() {
   };
   for (int guide = 0; guide < kLast; ++guide)
     run_tiles(
-        pyramid->grid(guide), [] { return Guide{}; }, level(guide));
+        pyramid->grid(guide), nullptr, Audience::EveryRank, [] { return Guide{}; }, level(guide),
+        nullptr);
   run_tiles(
-      grid, [&] { return ShadeInto(context_, grid, n, CellWriter(context_, grid, n, out_)); },
-      level(kLast));
+      grid, nullptr, Audience::RankZero,
+      [&] { return ShadeInto(context_, grid, n, CellWriter(context_, grid, n, out_)); },
+      level(kLast), cells_written());
+}
+
+/// All that a MidWriter writes.
+void carry(MidLevel& mid, const image::Rect& tile, Parcel& parcel) {
+  parcel.rect(mid.radiance, tile), parcel.rect(mid.inverse_depth, tile), parcel.rect(mid.age, tile);
+  parcel.rect(mid.surface_id, tile), parcel.rect(mid.normal, tile);
+  parcel.rect(mid.albedo, tile), parcel.rect(mid.steps, tile);
 }
 
 void ViewRun::trace_mid(const PixelGrid& mid_grid, MidLevel& mid) {
@@ -284,15 +331,17 @@ void ViewRun::trace_mid(const PixelGrid& mid_grid, MidLevel& mid) {
   for (std::size_t i = 0; i < wanted.size(); ++i)
     wanted.pixels()[i] = mid.source.pixels()[i] == MidSource::Traced ? 1 : 0;
   const int n = context_.config.block_samples;
-  trace(mid_grid, n, kMidSide, &wanted,
-        [&] { return ShadeInto(context_, mid_grid, n, MidWriter(context_.wanted, n, mid)); });
+  trace(
+      mid_grid, n, kMidSide, &wanted, Audience::EveryRank,
+      [&] { return ShadeInto(context_, mid_grid, n, MidWriter(context_.wanted, n, mid)); },
+      [&](const image::Rect& tile, Parcel& parcel) { carry(mid, tile, parcel); });
 }
 
 /// Traces the cells where the middle level shows detail and adds them to `finished`.
 void ViewRun::trace_detail(MidLevel& mid, Plane<std::uint8_t>& finished) {
   const Config& config = context_.config;
   const Detail detail = find_detail(mid, finished, context_.view.tone, config.detail, scheduler_);
-  trace_cells(config.block_samples, &detail.cells);
+  trace_cells(config.block_samples, &detail.cells, Audience::EveryRank);
   if (report_.stopped) return;
   for (std::size_t i = 0; i < finished.size(); ++i)
     finished.pixels()[i] |= detail.cells.pixels()[i];
@@ -349,11 +398,19 @@ LowLevel ViewRun::trace_low(const PixelGrid& low_grid) {
   LowLevel low;
   low.inverse_depth = Plane<float>(low_grid.width(), low_grid.height(), 0.0F);
   low.distance = low.inverse_depth;
+  const auto outputs = [&](const image::Rect& tile, Parcel& parcel) {
+    parcel.rect(low.inverse_depth, tile), parcel.rect(low.distance, tile);
+    parcel.rect(low.luminance, tile);
+  };
   if (context_.config.mask.edges == EdgeSource::Depth) {
-    trace(low_grid, 1, kLowSide, nullptr, [&] { return LowDepths(context_, low); });
+    trace(
+        low_grid, 1, kLowSide, nullptr, Audience::EveryRank,
+        [&] { return LowDepths(context_, low); }, outputs);
   } else {
     low.luminance = low.inverse_depth;
-    trace(low_grid, 1, kLowSide, nullptr, [&] { return LowColors(context_, low_grid, low); });
+    trace(
+        low_grid, 1, kLowSide, nullptr, Audience::EveryRank,
+        [&] { return LowColors(context_, low_grid, low); }, outputs);
   }
   return low;
 }
@@ -384,7 +441,7 @@ void ViewRun::foveated(const ViewHistory* last, ViewHistory& now) {
     keep({view, now.mid_grid, low, ends, context_.frame, config}, *last, scheduler_, mid);
   }
   trace_mid(now.mid_grid, mid);
-  trace_cells(config.samples_per_cell, &important);
+  trace_cells(config.samples_per_cell, &important, Audience::EveryRank);
   if (report_.stopped) return;
   average_important(out_, context_.wanted, scheduler_, mid);
   Plane<std::uint8_t> finished = important;

@@ -7,6 +7,7 @@
 #include "server/lights/light_rays.h"
 #include "server/sampling/sample.h"
 #include "server/sampling/sobol.h"
+#include "server/scheduling/run_shared.h"
 #include "shared/base/check.h"
 
 namespace macula::kernels::vpl {
@@ -155,11 +156,16 @@ VirtualLights make_virtual_lights(const SceneFrame& scene, const Config& config,
       sources.any_directional() ? scene.scene().bounds(scene.time()) : scene::Bounds{};
   std::vector<VirtualPointLight> slots(sources.rays());
   const auto step = static_cast<std::size_t>(kStreamCapacity);
-  const auto outcome = scheduler.run((slots.size() + step - 1) / step, [&](std::size_t stream) {
-    const std::size_t first = stream * step;
-    const std::size_t count = std::min(step, slots.size() - first);
-    StreamRun(scene, config, sources, lit).run(first, std::span(slots).subspan(first, count));
-  });
+  const std::size_t streams = (slots.size() + step - 1) / step;
+  const auto slots_of = [&](std::size_t stream) {
+    return std::span(slots).subspan(stream * step, std::min(step, slots.size() - stream * step));
+  };
+  const auto outcome = scheduling::run_shared(
+      scheduler, streams, scheduling::Audience::EveryRank, scheduling::nowhere(streams),
+      [&](std::size_t stream) {
+        StreamRun(scene, config, sources, lit).run(stream * step, slots_of(stream));
+      },
+      [&](std::size_t stream, scheduling::Parcel& parcel) { parcel.values(slots_of(stream)); });
   if (outcome == scheduling::Outcome::Stopped) return {{}, 0, true};
   std::erase_if(slots, [](const VirtualPointLight& light) { return !shines(light.flux); });
   return {std::move(slots), sources.rays(), false};

@@ -1,0 +1,78 @@
+// FrameSharing: one frame's tile passes split among ranks. All ranks run the same kernel on the
+// same request and the same history; in a shared pass each runs its own tiles, and what tiles
+// leave behind goes to the others (or, where only the finished picture needs it, to rank 0), so
+// that after the pass every rank stands where one process alone would stand. Every tile's result
+// comes exactly once, or the process ends. What is not shared every rank computes for itself.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "server/scheduling/balance.h"
+#include "server/scheduling/cost_forecast.h"
+#include "server/scheduling/parcel.h"
+#include "server/scheduling/rank_group.h"
+
+namespace macula::scheduling {
+
+class TileScheduler;
+enum class Outcome;
+
+/// Who needs what the tiles of a pass leave behind.
+enum class Audience { EveryRank, RankZero };
+
+/// A pass as its tiles are handed out.
+struct SharedPass {
+  std::vector<TilePlace> tiles;
+  Audience audience = Audience::EveryRank;
+};
+
+/// What one shared pass cost, for balance and measurements. Times of this rank, wall; costs of all
+/// tiles, processor time of the threads that ran them.
+struct PassRecord {
+  std::vector<float> costs_ms;        ///< by tile, of all ranks
+  std::vector<float> expected;        ///< by tile
+  std::vector<std::uint32_t> bytes;   ///< by tile, of what it leaves; 0 for other ranks' tiles
+  std::vector<double> rank_costs_ms;  ///< by rank
+  double tiles_ms = 0.0;              ///< running this rank's tiles
+  double pack_ms = 0.0;               ///< processor time of packing and unpacking
+  double exchange_ms = 0.0;           ///< waiting for others included
+  double exchange_cpu_ms = 0.0;       ///< processor time of the same, on the calling thread
+  std::uint64_t bytes_sent = 0, bytes_received = 0;
+  Audience audience = Audience::EveryRank;
+};
+
+class FrameSharing {
+ public:
+  using TileBody = std::function<void(std::size_t)>;
+  using TileOutputs = std::function<void(std::size_t, Parcel&)>;
+
+  /// `forecast` has begun the frame. All must outlive the sharing.
+  FrameSharing(RankGroup& ranks, Balance balance, CostForecast& forecast)
+      : ranks_(ranks), balance_(balance), forecast_(forecast) {}
+
+  /// Stopped: rank 0's token fired, and all ranks say so of the same pass; or a rank was lost.
+  Outcome run(TileScheduler& scheduler, const SharedPass& pass, const TileBody& body,
+              const TileOutputs& outputs, const std::stop_token& stop);
+  const std::vector<PassRecord>& passes() const { return passes_; }
+
+ private:
+  struct Own;
+  void run_assigned(TileScheduler& scheduler, const std::vector<std::uint32_t>& tiles,
+                    const TileBody& body, const std::stop_token& stop, Own& own);
+  void run_by_ticket(TileScheduler& scheduler, const TileBody& body, const std::stop_token& stop,
+                     std::size_t count, Own& own);
+  bool exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
+                PassRecord& record, bool& stopped);
+
+  RankGroup& ranks_;
+  Balance balance_;
+  CostForecast& forecast_;
+  std::vector<PassRecord> passes_;
+};
+
+}  // namespace macula::scheduling

@@ -1,0 +1,109 @@
+#include "tests/bench/cluster_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <queue>
+
+namespace macula::bench {
+namespace {
+
+using scheduling::Audience;
+using scheduling::Balance;
+using scheduling::PassRecord;
+
+/// Free processors, the earliest first.
+using Processors = std::priority_queue<double, std::vector<double>, std::greater<>>;
+
+Processors idle(int count) {
+  Processors processors;
+  for (int i = 0; i < count; ++i) processors.push(0.0);
+  return processors;
+}
+
+/// What one rank does of a pass.
+struct Share {
+  double cost_ms = 0.0;  ///< of all its tiles
+  double until_ms = 0.0;
+  double bytes = 0.0;
+};
+
+Share share_of(const PassRecord& pass, const std::vector<std::uint32_t>& tiles, int threads) {
+  Share share;
+  Processors processors = idle(threads);
+  for (const std::uint32_t tile : tiles) {
+    const double end = processors.top() + static_cast<double>(pass.costs_ms[tile]);
+    processors.pop();
+    processors.push(end);
+    share.cost_ms += static_cast<double>(pass.costs_ms[tile]);
+    share.until_ms = std::max(share.until_ms, end);
+    share.bytes += pass.bytes[tile];
+  }
+  return share;
+}
+
+std::vector<Share> shares_by_ticket(const PassRecord& pass, const ClusterSpec& spec) {
+  std::vector<Share> shares(static_cast<std::size_t>(spec.ranks));
+  using Worker = std::pair<double, std::size_t>;
+  std::priority_queue<Worker, std::vector<Worker>, std::greater<>> workers;
+  for (std::size_t rank = 0; rank < shares.size(); ++rank)
+    for (int thread = 0; thread < spec.threads; ++thread) workers.emplace(0.0, rank);
+  for (std::size_t tile = 0; tile < pass.costs_ms.size(); ++tile) {
+    const auto [free_at, rank] = workers.top();
+    workers.pop();
+    const double asking = rank == 0 ? 0.0 : 2.0 * spec.latency_ms;
+    const double end = free_at + asking + static_cast<double>(pass.costs_ms[tile]);
+    workers.emplace(end, rank);
+    shares[rank].cost_ms += static_cast<double>(pass.costs_ms[tile]);
+    shares[rank].until_ms = std::max(shares[rank].until_ms, end);
+    shares[rank].bytes += pass.bytes[tile];
+  }
+  return shares;
+}
+
+std::vector<Share> shares_of(const PassRecord& pass, const ClusterSpec& spec, Balance balance) {
+  if (balance == Balance::Dynamic) return shares_by_ticket(pass, spec);
+  const auto tiles = balance == Balance::Predicted
+                         ? scheduling::assign_by_cost(pass.expected, spec.ranks)
+                         : scheduling::assign_stripes(pass.costs_ms.size(), spec.ranks);
+  std::vector<Share> shares;
+  for (const auto& own : tiles) shares.push_back(share_of(pass, own, spec.threads));
+  return shares;
+}
+
+}  // namespace
+
+ModelledFrame model_frame(const FrameTrace& trace, const ClusterSpec& spec, Balance balance) {
+  ModelledFrame frame;
+  frame.alone_ms = trace.alone_ms;
+  const double ranks = spec.ranks;
+  const double steps = std::ceil(std::log2(ranks));
+  double slowest = 0.0, mean = 0.0;
+  for (const PassRecord& pass : trace.passes) {
+    const std::vector<Share> shares = shares_of(pass, spec, balance);
+    Share most;
+    double cost = 0.0, bytes = 0.0;
+    for (const Share& share : shares) {
+      most.cost_ms = std::max(most.cost_ms, share.cost_ms);
+      most.until_ms = std::max(most.until_ms, share.until_ms);
+      most.bytes = std::max(most.bytes, share.bytes);
+      cost += share.cost_ms, bytes += share.bytes;
+    }
+    frame.tiles_ms += most.until_ms;
+    slowest += most.cost_ms, mean += cost / ranks;
+    if (spec.ranks == 1) continue;
+    // Rank 0 keeps what it has where nobody else reads it.
+    const bool everyone = pass.audience == Audience::EveryRank;
+    const double received = bytes - (everyone ? bytes / ranks : shares.front().bytes);
+    frame.copy_ms += (most.bytes + received) / spec.copied_bytes_per_ms;
+    frame.transfer_ms +=
+        (everyone ? 3.0 : 4.0) * steps * spec.latency_ms + received / spec.bytes_per_ms;
+    frame.comm_bytes += everyone ? bytes * (ranks - 1.0) : received;
+  }
+  if (mean > 0.0) frame.imbalance = slowest / mean;
+  frame.frame_ms = frame.tiles_ms + frame.alone_ms + frame.copy_ms + frame.transfer_ms;
+  return frame;
+}
+
+}  // namespace macula::bench
