@@ -34,7 +34,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kLongRun_s = 600.0;
 constexpr double kRound_s = 120.0;  ///< of faults, before the server may settle
 /// A silent connection is ended after 15 s, a session whose client was killed is freed after three.
-constexpr auto kSettles = 25s;
+constexpr auto kSettles = 25s, kSessionIsFreed = 4s;
 #if defined(__SANITIZE_ADDRESS__)
 constexpr bool kInstrumented = true;  ///< freed memory is kept to find its users
 #else
@@ -212,6 +212,7 @@ class Soak : public testing::Test {
     const auto start = Clock::now();
     while (size().descriptors > before.descriptors && Clock::now() - start < kSettles)
       std::this_thread::sleep_for(200ms);
+    std::this_thread::sleep_for(kSessionIsFreed);
     return size();
   }
   ProcessSize size() const { return size_of(server_->pid(), seconds_since(begin_)); }
