@@ -27,7 +27,7 @@ bool may_be_a_step(const std::string& config) {
 }
 
 struct Sums {
-  double cost = 0.0, error = 0.0, ratio = 0.0;  ///< of logarithms
+  double cost = 0.0, error = 0.0, flicker = 0.0, ratio = 0.0;  ///< of logarithms
   std::set<std::string> scenes;
 };
 
@@ -45,13 +45,16 @@ constexpr double kLeastFactor = 1.1;
 /// another scene, and between two steps the periphery's resolution is carried on anyway.
 constexpr double kMostErrorShare = 0.85;
 
+/// Below the steps of a display; of nothing there is no logarithm.
+constexpr double kLeastFlicker = 1e-4;
+
 /// Of steps from cheap to dear, those that are worth their cost; the cheapest and the best stay.
 std::vector<LadderStep> far_apart(std::span<const LadderStep> steps) {
   std::vector<LadderStep> kept;
   for (const LadderStep& step : steps) {
     if (kept.empty() || step.rmse <= kMostErrorShare * kept.back().rmse) kept.push_back(step);
   }
-  if (kept.size() > 1 && kept.back().config != steps.back().config) kept.back() = steps.back();
+  if (kept.size() > 1 && steps.back().rmse < kept.back().rmse) kept.back() = steps.back();
   return kept;
 }
 
@@ -68,6 +71,7 @@ std::vector<LadderStep> ladder_steps(std::span<const Fields> rows) {
     Sums& sums = configs[config];
     sums.cost += std::log(number_in(row, "cpu_ms"));
     sums.error += std::log(error);
+    sums.flicker += std::log(std::max(number_in(row, "flicker_t1"), kLeastFlicker));
     sums.ratio += std::log(error / difference);
     sums.scenes.insert(text_in(row, "scene"));
   }
@@ -78,7 +82,7 @@ std::vector<LadderStep> ladder_steps(std::span<const Fields> rows) {
     const auto n = static_cast<double>(scenes.size());
     all.push_back(
         {config, std::exp(sums.cost / n), std::exp(sums.error / n), std::exp(sums.ratio / n)});
-    points.push_back({all.back().cost_ms, all.back().rmse});
+    points.push_back({all.back().cost_ms, std::hypot(all.back().rmse, std::exp(sums.flicker / n))});
   }
   std::vector<LadderStep> steps;
   for (const std::size_t i : pareto_front(points)) {
@@ -136,7 +140,8 @@ Result<void> write_ladder(const std::string& folder, const std::string& kernel,
   text.precision(4);
   text
       << "# Quality ladder of kernel " << kernel
-      << ": what no other configuration beats in both time and error.\n# " << command << "\n"
+      << ": what no other configuration beats in both time and what is seen\n# "
+      << "(error and flicker together).\n# " << command << "\n"
       << "# quality: 0 to 10, the logarithm of cost; scale: of the periphery's resolution;\n"
       << "# cost: of a frame over the dearest step's; rmse: display-linear, as the eye weighs it;\n"
       << "# rmse_per_difference: over the difference of two half-sample pictures. Means over the "

@@ -1,5 +1,6 @@
 // A quality ladder from measured rows: the configurations of foveal grids that no other beats in
-// both time and error over all scenes, numbered 0 to 10 by the logarithm of their cost.
+// both time and what is seen, error and flicker together, over all scenes, numbered 0 to 10 by the
+// logarithm of their cost.
 #pragma once
 
 #include <span>

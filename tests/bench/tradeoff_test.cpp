@@ -19,6 +19,7 @@ Fields row(const std::string& config, double cpu_ms, double error, bool uniform,
           {"rmse_f10", error},
           {"rmse_ew", error},
           {"flip_out10", error},
+          {"flicker_t1", 1e-3},
           {"half_difference", 0.5 * error},
           {"uniform", uniform}};
 }
@@ -92,6 +93,21 @@ TEST(TradeoffLadder, HasTheStepsThatNoOtherBeatsOverAllScenes) {
   EXPECT_EQ(steps[1].config, "samples=4");
   EXPECT_NEAR(steps[0].cost_ms, 2.0, 1e-9);
   EXPECT_NEAR(steps[1].per_half_difference, 2.0, 1e-9);
+}
+
+// What flickers is seen though its mean error is small.
+TEST(TradeoffLadder, AStepThatFlickersGivesWayToASteadyOne) {
+  std::vector<Fields> rows;
+  for (const char* scene : {"posts", "atrium"}) {
+    rows.push_back(row("scale=0.3", 1.0, 0.1, false, scene));
+    rows.push_back(row("lights=1", 2.0, 0.05, false, scene));
+    rows.push_back(row("method=foveated", 3.0, 0.045, false, scene));
+    rows.push_back(row("samples=4", 8.0, 0.02, false, scene));
+    set_field(rows[rows.size() - 3], "flicker_t1", 0.1);
+  }
+  const auto steps = ladder_steps(rows);
+  ASSERT_EQ(steps.size(), 3U);
+  EXPECT_EQ(steps[1].config, "method=foveated");
 }
 
 TEST(TradeoffLadder, KendallsTauIsOneForTheSameOrderAndMinusOneForTheReverse) {
