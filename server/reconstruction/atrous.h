@@ -18,8 +18,10 @@ struct AtrousPass {
 void smooth_row(const SurfacePlanes& surfaces, const WidePlane& reach, float pass,
                 const AtrousPass& how, const LightPlanes& from, int y, LightPlanes& to);
 
-/// Light of row y no brighter than the brightest like surface beside it; its luminance is written.
-void cut_spikes_row(const SurfacePlanes& surfaces, const LightPlanes& from, int y, LightPlanes& to);
+/// Light of row y, where it is the mean of fewer than `enough` samples, no brighter than the
+/// brightest like surface beside it; its luminance is written.
+void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& samples, float enough,
+                    const LightPlanes& from, int y, LightPlanes& to);
 
 /// Mean and standard deviation of `values` over the cells within two with a surface, and the number
 /// of these cells; 0 where there is none.

@@ -78,13 +78,26 @@ Run declare_motion(CLI::App& command, Pace) {
 
 Run declare_lightcuts(CLI::App& command, Pace) {
   auto options = std::make_shared<LightcutsOptions>();
-  command.add_option("--scene", options->scene, "Built-in scene or scene file, with lights")
-      ->required()
-      ->option_text("NAME|FILE");
+  command
+      .add_option("--scenes,--scene", options->scenes,
+                  "Built-in scenes or scene files, with lights")
+      ->delimiter(',')
+      ->option_text("NAME|FILE,... (cornell-lights,study,room,yard)");
+  command.add_option("--gazes", options->gazes_deg, "Degrees to the right of the view axis")
+      ->delimiter(',')
+      ->check(CLI::Range(-40.0, 40.0))
+      ->option_text("N,... (0,20)");
+  command.add_option("--methods", options->methods, "What to measure (all)")
+      ->delimiter(',')
+      ->option_text("sl,sl_denoised,sl_as,paper_no_reuse,paper,paper_denoised,ours_exact,ours");
+  command.add_flag("--alphas", options->alphas,
+                   "The paper's Table 4 and Figure 7: its method at five thresholds");
   command.add_option("--frames", options->frames, "Timed and judged, each with a seed of its own")
       ->check(CLI::Range(1, 1000))
       ->option_text("N (4)");
-  command.add_option("--warm-up", options->warm_up, "Frames before those, for ours")
+  command
+      .add_option("--warm-up", options->warm_up,
+                  "Frames of a swaying head before those, for methods that remember")
       ->check(CLI::Range(0, 1000))
       ->option_text("N (16)");
   command
@@ -95,7 +108,8 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   command.add_option("--reference-passes", options->reference_passes, "Of each half-reference")
       ->check(CLI::Range(1, 1 << 14))
       ->option_text("N (4)");
-  command.add_flag("--quick", options->quick, "360x425, one frame after 6, one pass of 96 nodes");
+  command.add_flag("--quick", options->quick,
+                   "360x425, gaze 0, one frame after 4, one pass of 96 nodes");
   add_threads(command, options->threads);
   command.add_option("--pictures", options->pictures, "Maps and pictures of every method")
       ->option_text("FOLDER");
@@ -104,7 +118,9 @@ Run declare_lightcuts(CLI::App& command, Pace) {
       "sl asks as many lights in every pixel; its rows are the curve that gains and speeds are\n"
       "read from. lspp is the size that cuts may have; a low-resolution picture comes on top.\n"
       "mse is of display-linear values, relmse of radiance; both may be negative where they lie\n"
-      "below the noise of the references.");
+      "below the noise of the references. gain: the baseline's error at equal time over the\n"
+      "method's; speed: its time at equal error in F25; plain_gain: against sl, whatever the\n"
+      "baseline. ours is held against sl_denoised, which has the same denoiser and memory.");
   return [options]() -> Result<void> { return run_lightcuts(*options); };
 }
 

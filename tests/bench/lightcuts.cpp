@@ -13,6 +13,7 @@
 #include "tests/bench/lightcuts_setting.h"
 #include "tests/bench/progress.h"
 #include "tests/bench/report.h"
+#include "tests/bench/tradeoff_front.h"
 
 namespace macula::bench {
 namespace {
@@ -30,26 +31,57 @@ struct Method {
   Config config;
   Curves against = Curves::Plain;  ///< Itself: sl or sl_denoised at some number of samples
   bool remembers = false;          ///< warmed up before it is judged
+
+  float alpha() const { return config.perception.alpha; }
+  /// Unlike all others' of a run.
+  std::string label() const {
+    if (against == Curves::Itself)
+      return name + "_" + std::to_string(config.ray.area_light_samples);
+    if (alpha() == kernels::lightcuts::PerceptionConfig{}.alpha) return name;
+    char text[32];
+    std::snprintf(text, sizeof text, "_alpha_%g", static_cast<double>(alpha()));
+    return name + text;
+  }
 };
 
-std::vector<Method> methods(bool quick) {
+/// Table 4's, less the default.
+void add_alphas(std::vector<Method>& all) {
+  for (const float alpha : {0.025F, 0.1F, 0.2F, 0.4F}) {
+    Config config = paper_cuts();
+    config.perception.alpha = alpha;
+    all.push_back({"paper", config});
+  }
+}
+
+std::vector<Method> methods(const LightcutsOptions& options) {
   using kernels::lightcuts::Denoise;
   std::vector<Method> all;
-  for (int nodes = 1; nodes <= (quick ? 32 : 64); nodes *= 2) {
+  for (int nodes = 1; nodes <= (options.quick ? 32 : 64); nodes *= 2) {
     all.push_back({"sl", uniform_cuts(nodes), Curves::Itself});
-    all.push_back({"sl_denoised", denoised_cuts(nodes), Curves::Itself});
+  }
+  for (int nodes = 1; nodes <= (options.quick ? 16 : 64); nodes *= options.quick ? 4 : 2) {
+    all.push_back({"sl_denoised", denoised_cuts(nodes), Curves::Itself, true});
   }
   all.push_back({"sl_as", perceived_cuts(PerceptionMode::Stengel)});
   all.push_back({"paper_no_reuse", perceived_cuts(PerceptionMode::Attenuation)});
   all.push_back({"paper", paper_cuts()});
+  if (options.alphas) add_alphas(all);
   all.push_back({"ours_exact", reservoir_cuts(Denoise::No), Curves::Plain, true});
+  Config denoised = paper_cuts();
+  denoised.denoise = Denoise::Yes;
+  all.push_back({"paper_denoised", denoised, Curves::Denoised, true});
   all.push_back({"ours", reservoir_cuts(Denoise::Yes), Curves::Denoised, true});
+  std::erase_if(all, [&](const Method& method) {
+    return !options.methods.empty() &&
+           std::ranges::find(options.methods, method.name) == options.methods.end();
+  });
   return all;
 }
 
 /// What a method did, means over its frames.
 struct Measured {
-  double cpu_ms = 0.0, wall_ms = 0.0, fpsm_ms = 0.0, denoise_ms = 0.0, samples = 0.0;
+  double cpu_ms = 0.0, wall_ms = 0.0, fpsm_ms = 0.0, trace_ms = 0.0, denoise_ms = 0.0,
+         samples = 0.0;
   double mean_lspp = 0.0;  ///< nodes that cuts were allowed, a pixel
   double reuse = 0.0;      ///< share of nodes whose light another pixel had drawn
   Regional lspp;
@@ -73,37 +105,46 @@ double or_nan(const std::optional<double>& value, const Value& then) {
   return value ? then(*value) : std::nan("");
 }
 
+/// Of one scene's pictures.
+std::string picture_folder(const LightcutsOptions& options, const std::string& scene) {
+  if (options.scenes.size() == 1) return options.pictures;
+  return options.pictures + "/" + std::filesystem::path(scene).stem().string();
+}
+
 /// Seeds of frames that are not judged.
 constexpr int kWarmUpSeed = 10'000;
 
+/// One scene and gaze.
 class Run {
  public:
-  Run(const LightcutsSetting& setting, const LightcutsJudge& judge, const LightcutsOptions& options,
-      TileScheduler& scheduler)
-      : setting_(setting), judge_(judge), options_(options), scheduler_(scheduler) {}
+  Run(const std::string& scene, double gaze_deg, const LightcutsSetting& setting,
+      const LightcutsJudge& judge, const LightcutsOptions& options, TileScheduler& scheduler)
+      : scene_(scene),
+        gaze_deg_(gaze_deg),
+        setting_(setting),
+        judge_(judge),
+        options_(options),
+        scheduler_(scheduler) {}
 
-  void measure(const Method& method) {
+  Result<void> measure(const Method& method) {
     Measured all;
     sizes_of(method, all);
-    const auto frames = static_cast<double>(options_.frames);
     kernels::History history;
-    const int warm_up = method.remembers ? options_.warm_up : 0;
-    for (int k = -warm_up; k < options_.frames; ++k) {
+    constexpr int kSwing = LightcutsSetting::kSwing;
+    const int warm_up = method.remembers ? (options_.warm_up + kSwing - 1) / kSwing * kSwing : 0;
+    const int step = method.remembers ? 1 : kSwing;
+    for (int k = -warm_up; k <= kSwing * (options_.frames - 1); k += step) {
       if (!method.remembers) history = {};
+      auto moved = setting_.moved(k + warm_up);
+      if (!moved) return base::forward(moved);
       const auto seed = static_cast<std::uint64_t>(k < 0 ? kWarmUpSeed - k : k + 1);
-      const Picture one = picture_of(setting_, method.config, seed, history, scheduler_);
-      if (k < 0) continue;
-      all.cpu_ms += one.cpu_ms / frames, all.wall_ms += one.wall_ms / frames;
-      all.fpsm_ms += one.report.mask_ms / frames;
-      all.denoise_ms += one.report.post_ms / frames;
-      all.samples += static_cast<double>(one.report.shadow_rays) / frames;
-      const auto taken = static_cast<double>(one.report.taken_nodes);
-      const auto nodes = taken + static_cast<double>(one.report.walked_nodes);
-      if (nodes > 0.0) all.reuse += taken / nodes / frames;
-      add(judge_.errors(one.radiance), 1.0 / frames, all.errors);
+      const Picture one = picture_of(*moved, method.config, seed, history, scheduler_);
+      if (k < 0 || k % kSwing != 0) continue;
+      add(one, all);
       if (k == 0) keep(method, one.radiance);
     }
     measured_.push_back({method, all});
+    return {};
   }
 
   std::vector<Fields> rows() const {
@@ -118,9 +159,20 @@ class Run {
     Measured measured;
   };
 
-  static void add(const LightcutsErrors& one, double share, LightcutsErrors& sum) {
-    sum.mse.f25 += share * one.mse.f25, sum.mse.out25 += share * one.mse.out25;
-    sum.relmse.f25 += share * one.relmse.f25, sum.relmse.out25 += share * one.relmse.out25;
+  /// The mean over the judged frames grows by one of them.
+  void add(const Picture& one, Measured& all) const {
+    const double share = 1.0 / options_.frames;
+    all.cpu_ms += share * one.cpu_ms, all.wall_ms += share * one.wall_ms;
+    all.fpsm_ms += share * one.report.mask_ms, all.trace_ms += share * one.report.trace_ms;
+    all.denoise_ms += share * one.report.post_ms;
+    all.samples += share * static_cast<double>(one.report.shadow_rays);
+    const auto taken = static_cast<double>(one.report.taken_nodes);
+    const auto nodes = taken + static_cast<double>(one.report.walked_nodes);
+    if (nodes > 0.0) all.reuse += share * taken / nodes;
+    const LightcutsErrors errors = judge_.errors(one.radiance);
+    all.errors.mse.f25 += share * errors.mse.f25, all.errors.mse.out25 += share * errors.mse.out25;
+    all.errors.relmse.f25 += share * errors.relmse.f25;
+    all.errors.relmse.out25 += share * errors.relmse.out25;
   }
 
   void sizes_of(const Method& method, Measured& all) {
@@ -139,13 +191,18 @@ class Run {
     if (options_.pictures.empty()) return;
     Plane<Rgb8> shown;
     image::encode(setting_.view.tone, radiance, shown);
-    const std::string name =
-        method.against == Curves::Itself
-            ? method.name + "_" + std::to_string(method.config.ray.area_light_samples)
-            : method.name;
-    if (!image::write_png(options_.pictures + "/" + name + ".png", shown)) {
-      std::fprintf(stderr, "%s: cannot be written\n", name.c_str());
-    }
+    write(method.label(), shown);
+    // White: off by a fifth of the display's range.
+    write("error_" + method.label(), image::false_color(judge_.error_map(radiance), 0.0F, 0.04F));
+    if (method.config.sizes == CutSizes::Uniform) return;
+    const auto plan = plan_of(setting_, method.config, scheduler_);
+    write("fpsm_" + method.label(), image::false_color(plan.maps.front().map, 0.0F, 1.0F));
+  }
+  void write(const std::string& name, const Plane<Rgb8>& picture) const {
+    const std::string path =
+        picture_folder(options_, scene_) + "/" + name + (gaze_deg_ == 0.0 ? "" : "_aside") + ".png";
+    if (!image::write_png(path, picture))
+      std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
   }
 
   template <class Error>
@@ -175,10 +232,18 @@ class Run {
                                      [&](double sl) { return sl / outside(m); });
     const double speed_f25 = or_nan(curve(baseline, inside, true).at(inside(m)),
                                     [&](double sl) { return sl / m.cpu_ms; });
-    return {{"scene", options_.scene},
+    const double plain_f25 =
+        or_nan(curve("sl", inside, false).at(m.cpu_ms), [&](double sl) { return sl / inside(m); });
+    const double plain_out25 = or_nan(curve("sl", outside, false).at(m.cpu_ms),
+                                      [&](double sl) { return sl / outside(m); });
+    char gaze[32];
+    std::snprintf(gaze, sizeof gaze, "%g,0", gaze_deg_);
+    return {{"scene", scene_},
             {"lights", static_cast<std::int64_t>(setting_.lights)},
-            {"gaze", std::string("0,0")},
+            {"gaze", std::string(gaze)},
+            {"share_of_f25", judge_.share_of_f25()},
             {"method", row.method.name},
+            {"alpha", static_cast<double>(row.method.alpha())},
             {"against", baseline},
             {"cpu_ms", m.cpu_ms},
             {"wall_ms", m.wall_ms},
@@ -190,14 +255,19 @@ class Run {
             {"relmse_f25", m.errors.relmse.f25},
             {"relmse_out25", m.errors.relmse.out25},
             {"fpsm_ms", m.fpsm_ms},
+            {"trace_ms", m.trace_ms},
             {"denoise_ms", m.denoise_ms},
             {"reuse", m.reuse},
             {"samples_s", m.samples / (1e-3 * m.cpu_ms)},
             {"gain_f25", gain_f25},
             {"gain_out25", gain_out25},
-            {"speed_f25", speed_f25}};
+            {"speed_f25", speed_f25},
+            {"plain_gain_f25", plain_f25},
+            {"plain_gain_out25", plain_out25}};
   }
 
+  const std::string& scene_;
+  double gaze_deg_;
   const LightcutsSetting& setting_;
   const LightcutsJudge& judge_;
   const LightcutsOptions& options_;
@@ -238,21 +308,69 @@ Result<void> write_maps(const LightcutsSetting& setting, const std::string& fold
 
 LightcutsOptions quickened(LightcutsOptions options) {
   if (!options.quick) return options;
-  options.reference_nodes = std::min(options.reference_nodes, 96);
+  if (options.reference_nodes == LightcutsOptions{}.reference_nodes) options.reference_nodes = 96;
   options.reference_passes = 1;
   options.frames = 1;
-  options.warm_up = std::min(options.warm_up, 6);
+  options.warm_up = std::min(options.warm_up, LightcutsSetting::kSwing);
+  options.gazes_deg = {0};
   return options;
 }
 
-Fields effective(const LightcutsOptions& options, const LightcutsJudge& judge) {
-  return {{"scene", options.scene},
-          {"quick", options.quick},
+Fields effective(const LightcutsOptions& options) {
+  return {{"quick", options.quick},
           {"frames", std::int64_t{options.frames}},
           {"warm_up", std::int64_t{options.warm_up}},
           {"reference_nodes", std::int64_t{options.reference_nodes}},
-          {"reference_passes", std::int64_t{options.reference_passes}},
-          {"share_of_f25", judge.share_of_f25()}};
+          {"reference_passes", std::int64_t{options.reference_passes}}};
+}
+
+/// A scene's rows, a gaze after the other; references are made once.
+Result<void> run_scene(const std::string& scene, const LightcutsOptions& options,
+                       TileScheduler& scheduler, Progress& progress, std::vector<Fields>& rows) {
+  auto setting = LightcutsSetting::make(scene, options.quick, scheduler);
+  if (!setting) return base::forward(setting);
+  if (!options.pictures.empty()) {
+    const std::string folder = picture_folder(options, scene);
+    std::error_code ignored;  // a folder that cannot be made shows when it is written to
+    std::filesystem::create_directories(folder, ignored);
+    if (auto ok = write_maps(*setting, folder, scheduler); !ok) return ok;
+  }
+  LightcutsJudge judge(*setting, options.reference_nodes, options.reference_passes, scheduler);
+  for (const double gaze_deg : options.gazes_deg) {
+    setting->look(Degrees{gaze_deg});
+    judge.look(*setting);
+    Run run(scene, gaze_deg, *setting, judge, options, scheduler);
+    for (const Method& method : methods(options)) {
+      if (auto ok = run.measure(method); !ok) return ok;
+      progress.advance();
+    }
+    for (Fields& row : run.rows()) rows.push_back(std::move(row));
+  }
+  return {};
+}
+
+/// Of every method over all scenes and gazes: geometric means and the worst of what was gained.
+std::vector<Fields> gains(const std::vector<Fields>& rows) {
+  std::vector<Fields> lines;
+  for (const char* name : {"sl_as", "paper_no_reuse", "paper", "ours_exact", "ours"}) {
+    Fields line{{"method", std::string(name)}};
+    for (const char* key :
+         {"gain_f25", "gain_out25", "speed_f25", "plain_gain_f25", "plain_gain_out25"}) {
+      double sum = 0.0, worst = INFINITY;
+      int count = 0;
+      for (const Fields& row : rows) {
+        const bool is_default = number_in(row, "alpha") ==
+                                static_cast<double>(kernels::lightcuts::PerceptionConfig{}.alpha);
+        if (text_in(row, "method") != name || !is_default) continue;
+        const double value = number_in(row, key);
+        sum += std::log(value), worst = std::min(worst, value), ++count;
+      }
+      line.emplace_back(key, std::exp(sum / count));
+      line.emplace_back(std::string("worst_") + key, count > 0 ? worst : std::nan(""));
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
 }
 
 }  // namespace
@@ -260,24 +378,16 @@ Fields effective(const LightcutsOptions& options, const LightcutsJudge& judge) {
 Result<void> run_lightcuts(const LightcutsOptions& asked) {
   const LightcutsOptions options = quickened(asked);
   TileScheduler scheduler(options.threads);
-  const auto setting = LightcutsSetting::make(options.scene, options.quick, scheduler);
-  if (!setting) return base::forward(setting);
-  if (!options.pictures.empty()) {
-    std::error_code ignored;  // a folder that cannot be made shows when it is written to
-    std::filesystem::create_directories(options.pictures, ignored);
-    if (auto ok = write_maps(*setting, options.pictures, scheduler); !ok) return ok;
+  Report report{"lightcuts", effective(options), {}};
+  Progress progress("lightcuts",
+                    static_cast<std::int64_t>(options.scenes.size() * options.gazes_deg.size() *
+                                              methods(options).size()));
+  for (const std::string& scene : options.scenes) {
+    if (auto ok = run_scene(scene, options, scheduler, progress, report.rows); !ok) return ok;
   }
-  const LightcutsJudge judge(*setting, options.reference_nodes, options.reference_passes,
-                             scheduler);
-  Run run(*setting, judge, options, scheduler);
-  const std::vector<Method> all = methods(options.quick);
-  Progress progress("lightcuts", static_cast<std::int64_t>(all.size()));
-  for (const Method& method : all) {
-    run.measure(method);
-    progress.advance();
-  }
-  const Report report{"lightcuts", effective(options, judge), run.rows()};
   std::fputs(table_text(report.rows).c_str(), stdout);
+  std::fputs("\nover all scenes and gazes\n", stdout);
+  std::fputs(table_text(gains(report.rows)).c_str(), stdout);
   return options.json.empty() ? Result<void>{} : write_json(options.json, report);
 }
 

@@ -4,18 +4,22 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "shared/base/result.h"
 
 namespace macula::bench {
 
 struct LightcutsOptions {
-  std::string scene;
-  bool quick = false;         ///< 360 x 425, gaze in the middle, one frame, fewer references
+  std::vector<std::string> scenes{"cornell-lights", "study", "room", "yard"};
+  bool quick = false;  ///< 360 x 425, gaze in the middle, one frame, fewer references
+  std::vector<double> gazes_deg{0, 20};  ///< to the right of the view axis
+  std::vector<std::string> methods;     ///< empty: all
+  bool alphas = false;                   ///< Table 4: the paper's method at five thresholds too
   int reference_nodes = 256;  ///< of the cuts of each half-reference, every pixel of every pass
   int reference_passes = 4;   ///< of each half
   int frames = 4;             ///< judged and timed, a seed each
-  int warm_up = 16;           ///< frames before those, for methods that remember
+  int warm_up = 16;           ///< frames of a moving head before those, for methods that remember
   int threads = 0;            ///< 0: all the machine has
   std::string pictures;       ///< folder for maps and pictures of every method; empty: none
   std::string json;           ///< report; empty: none

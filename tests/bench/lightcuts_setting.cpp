@@ -7,6 +7,7 @@
 #include "server/scene/load.h"
 #include "shared/image/regions.h"
 #include "tests/bench/lit_scene.h"
+#include "tests/bench/ray_setting.h"
 #include "tests/bench/stopwatch.h"
 
 namespace macula::bench {
@@ -51,14 +52,17 @@ Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool ha
   if (!loaded) return base::forward(loaded);
   if (auto ok = kernels::check_scene("lightcuts", **loaded); !ok) return base::forward(ok);
   const scene::SceneFacts facts = scene::facts_of(**loaded);
-  auto frame =
-      kernels::SceneFrame::create(*loaded, scene::ScenePlan(facts, {.kernel = "lightcuts"}));
+  auto timeline =
+      kernels::SceneTimeline::create(*loaded, scene::ScenePlan(facts, {.kernel = "lightcuts"}));
+  if (!timeline) return base::forward(timeline);
+  auto frame = (*timeline)->at({});
   if (!frame) return base::forward(frame);
   if ((*frame)->placed_lights().size() == 0) {
     return base::bad_input("the scene has no light with a place", name,
                            "scenes with point lights, spots or emissive triangles");
   }
   LightcutsSetting setting;
+  setting.timeline = std::move(*timeline);
   setting.scene = std::move(*frame);
   setting.display = paper_display(half);
   setting.view.grid = foveation::make_uniform_grid(setting.display);
@@ -68,6 +72,25 @@ Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool ha
   setting.view.tone.exposure_ev =
       exposure_for(picture_of(setting, uniform_cuts(kExposureNodes), 1, scheduler).radiance);
   return setting;
+}
+
+Result<LightcutsSetting> LightcutsSetting::moved(int frame) const {
+  constexpr double kRefresh_hz = 72.0;
+  const int phase = frame % kSwing;
+  const double seconds = std::min(phase, kSwing - phase) / kRefresh_hz;
+  LightcutsSetting then = *this;
+  then.view.world_from_view = swayed(view.world_from_view, seconds);
+  if (timeline->moves()) {
+    auto moment = timeline->at(scene::SceneTime{units::from_s(seconds)});
+    if (!moment) return base::forward(moment);
+    then.scene = std::move(*moment);
+  }
+  return then;
+}
+
+void LightcutsSetting::look(Degrees right) {
+  view.gaze.direction =
+      Vec3(std::sin(Radians{right}.value()), 0.0, -std::cos(Radians{right}.value()));
 }
 
 Config uniform_cuts(int nodes) {
@@ -144,6 +167,10 @@ LightcutsJudge::LightcutsJudge(const LightcutsSetting& setting, int nodes, int p
       first_(mean_picture(setting, nodes, passes, kFirstReferenceSeed, scheduler)),
       second_(mean_picture(setting, nodes, passes, kSecondReferenceSeed, scheduler)),
       eccentricity_(setting.display.width_px, setting.display.height_px) {
+  look(setting);
+}
+
+void LightcutsJudge::look(const LightcutsSetting& setting) {
   const FoveationMap map = map_of(setting);
   for (int y = 0; y < eccentricity_.height(); ++y) {
     map.eccentricity_row(0, y, eccentricity_.row(y));
@@ -184,6 +211,17 @@ LightcutsErrors LightcutsJudge::errors(const Plane<Rgb>& radiance) const {
     return product(gain * radiance.pixels()[i], a, b) / (level * level + 1e-2);
   });
   return errors;
+}
+
+Plane<float> LightcutsJudge::error_map(const Plane<Rgb>& radiance) const {
+  const Plane<Rgb> truth = reference();
+  Plane<float> squares(radiance.width(), radiance.height());
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const Rgb off = image::display_linear(tone_, radiance.pixels()[i]) -
+                    image::display_linear(tone_, truth.pixels()[i]);
+    squares.pixels()[i] = glm::dot(off, off) / 3.0F;
+  }
+  return squares;
 }
 
 Regional LightcutsJudge::mean(const Plane<float>& plane) const {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "server/kernels/lightcuts/lightcuts_kernel.h"
+#include "server/kernels/scene_timeline.h"
 #include "shared/foveation/pixel_grid.h"
 #include "shared/image/tone.h"
 
@@ -13,7 +14,8 @@ namespace macula::bench {
 using image::Plane;
 
 struct LightcutsSetting {
-  std::shared_ptr<const kernels::SceneFrame> scene;
+  std::shared_ptr<kernels::SceneTimeline> timeline;
+  std::shared_ptr<const kernels::SceneFrame> scene;  ///< at time 0
   foveation::Display display;
   kernels::View view;
   std::size_t lights = 0;  ///< in the tree
@@ -22,6 +24,11 @@ struct LightcutsSetting {
   /// the mean to middle grey.
   static Result<LightcutsSetting> make(const std::string& scene, bool half,
                                        scheduling::TileScheduler& scheduler);
+  /// A head that sways, and what moves in the scene, to and fro: every kSwing-th frame is the one
+  /// that references were made of. frame >= 0.
+  Result<LightcutsSetting> moved(int frame) const;
+  static constexpr int kSwing = 4;
+  void look(Degrees right);
 };
 
 /// One primary ray through each pixel's centre: light alone is left to chance.
@@ -63,7 +70,11 @@ class LightcutsJudge {
   LightcutsJudge(const LightcutsSetting& setting, int nodes, int passes,
                  scheduling::TileScheduler& scheduler);
 
+  /// Regions lie around the setting's gaze now.
+  void look(const LightcutsSetting& setting);
   LightcutsErrors errors(const Plane<Rgb>& radiance) const;
+  /// Squared, display-linear, mean over the channels; with the references' noise.
+  Plane<float> error_map(const Plane<Rgb>& radiance) const;
   Regional mean(const Plane<float>& plane) const;
   double share_of_f25() const;
   Plane<Rgb> reference() const;

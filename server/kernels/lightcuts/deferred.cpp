@@ -73,6 +73,10 @@ class Frame {
  private:
   bool perceived() const { return config_.sizes == CutSizes::Perceived; }
   bool denoises() const { return config_.denoise == Denoise::Yes; }
+  /// Samples at fixed places are what they are, over any number of frames.
+  bool steadies() const {
+    return denoises() && config_.ray.placement == ray::Placement::Jittered;
+  }
   bool remembers() const { return reservoirs() || denoises(); }
   bool reservoirs() const { return perceived() && config_.source == LightSource::Reservoirs; }
 
@@ -125,7 +129,7 @@ class Frame {
     report_.stopped |= outcome == scheduling::Outcome::Stopped;
     if (!report_.stopped && denoises()) smooth(v, last, kept);
     for (std::size_t k = 0; k < view.tiles.size() && !report_.stopped; ++k) deliver(v, k);
-    if (!report_.stopped && denoises()) steady(v, last, kept);
+    if (!report_.stopped && steadies()) steady(v, last, kept);
   }
   /// A tile's work: the nodes its cells ask, and what every cell costs.
   std::vector<scheduling::TilePlace> places(std::size_t v, const CutPlan& plan) const {

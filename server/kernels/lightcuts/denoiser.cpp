@@ -14,6 +14,8 @@ constexpr int kMostPasses = 5;
 constexpr float kPerDegree = std::numbers::pi_v<float> / 180.0F;
 /// Memory of fewer frames is smoothed by a pass more.
 constexpr float kShortMemory = 4.0F;
+/// The mean of so many samples is no spike, however bright.
+constexpr float kEnoughSamples = 8.0F;
 constexpr reconstruction::MemoryConfig kMemory;
 
 /// The last pass spans 2^passes cells to either side.
@@ -36,8 +38,11 @@ class Denoiser {
 
   scheduling::Outcome run() {
     gather();
-    if (rows([&](int y) { cut_spikes_row(memory_.surfaces, now_, y, memory_.mean); }))
+    if (rows([&](int y) {
+          cut_spikes_row(memory_.surfaces, memory_.fresh, kEnoughSamples, now_, y, memory_.mean);
+        })) {
       return kStopped;
+    }
     if (join()) return kStopped;
     if (smooth()) return kStopped;
     deliver();

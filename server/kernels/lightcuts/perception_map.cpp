@@ -154,14 +154,15 @@ PerceptionMap make_perception_map(const PerceptionInputs& inputs, const Percepti
   Plane<float> acuity = cleaned(inputs.acuity, made.not_finite);
   for (float& value : acuity.pixels()) value = std::clamp(value, 0.0F, 1.0F);
   made.spatial = acuity;
-  raise_at_edges(made.spatial, inputs.normal, kNormalScale, made.not_finite);
-  raise_at_edges(made.spatial, inputs.albedo, kAlbedoScale, made.not_finite);
-  raise_at_edges(made.spatial, inputs.speed, kSpeedScale, made.not_finite);
+  raise_at_edges(made.spatial, inputs.normal, config.contrast * kNormalScale, made.not_finite);
+  raise_at_edges(made.spatial, inputs.albedo, config.contrast * kAlbedoScale, made.not_finite);
+  raise_at_edges(made.spatial, inputs.speed, config.contrast * kSpeedScale, made.not_finite);
   made.luminance = std::move(acuity);
   if (!inputs.luminance.empty() && !made.luminance.empty()) {
     const Plane<float> contrast = fine_contrast(cleaned(inputs.luminance, made.not_finite));
     raise(made.luminance,
-          filters::resize_bicubic(contrast, made.luminance.width(), made.luminance.height()), 1.0F);
+          filters::resize_bicubic(contrast, made.luminance.width(), made.luminance.height()),
+          config.contrast);
   }
   if (config.mode == PerceptionMode::Printed) {
     made.map = printed_map(made, config.alpha);

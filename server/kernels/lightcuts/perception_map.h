@@ -28,8 +28,9 @@ enum class PerceptionMode {
 
 struct PerceptionConfig {
   PerceptionMode mode = PerceptionMode::Attenuation;
-  float alpha = 0.05F;  ///< not NaN; <= 0: full rate wherever M > 0; >= 1: none
-  float gamma = 1.4F;   ///< > 0; Attenuation: 1 is Eq. 4 alone, 1.4 follows the paper's Table 4
+  float alpha = 0.05F;    ///< not NaN; <= 0: full rate wherever M > 0; >= 1: none
+  float gamma = 1.0F;     ///< > 0; Attenuation: 1 is Eq. 4 alone, more favours what is seen best
+  float contrast = 0.2F;  ///< what a full edge counts for against full acuity, [0, 1]
 };
 
 /// Planes of one view. What is not a finite number counts as 0. An empty plane is left out; all

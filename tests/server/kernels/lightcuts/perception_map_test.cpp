@@ -27,7 +27,8 @@ struct Planes {
   Plane<float> luminance{kWidth / 8, kHeight / 8, 0.5F};
 
   PerceptionMap map(PerceptionMode mode, float alpha = 0.05F) const {
-    return make_perception_map({acuity, normal, albedo, speed, luminance}, {mode, alpha});
+    return make_perception_map({acuity, normal, albedo, speed, luminance},
+                               {.mode = mode, .alpha = alpha, .gamma = 1.4F, .contrast = 1.0F});
   }
 };
 
