@@ -74,9 +74,7 @@ class Frame {
   bool perceived() const { return config_.sizes == CutSizes::Perceived; }
   bool denoises() const { return config_.denoise == Denoise::Yes; }
   /// Samples at fixed places are what they are, over any number of frames.
-  bool steadies() const {
-    return denoises() && config_.ray.placement == ray::Placement::Jittered;
-  }
+  bool steadies() const { return denoises() && config_.ray.placement == ray::Placement::Jittered; }
   bool remembers() const { return reservoirs() || denoises(); }
   bool reservoirs() const { return perceived() && config_.source == LightSource::Reservoirs; }
 
