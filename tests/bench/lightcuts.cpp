@@ -363,6 +363,7 @@ std::vector<Fields> gains(const std::vector<Fields>& rows) {
                                 static_cast<double>(kernels::lightcuts::PerceptionConfig{}.alpha);
         if (text_in(row, "method") != name || !is_default) continue;
         const double value = number_in(row, key);
+        if (std::isnan(value)) continue;  // its baseline was not measured
         sum += std::log(value), worst = std::min(worst, value), ++count;
       }
       line.emplace_back(key, std::exp(sum / count));

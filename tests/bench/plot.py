@@ -6,6 +6,8 @@ over the fovea's radius), primitives.png (time a frame over the number of primit
 primitives-N) and table_1.txt (SSIM and FLIP at the fovea nearest 7.5 degrees).
 culling: error_over_kept.png, error_over_time.png and equal_time.txt (each baseline's error, read off its own
 curve at the time that flc, flc_rays and flc_fast took, over theirs).
+lightcuts: error_over_time.png (every method's error in F25 and outside over time), figure_8.png and table_4.txt (error and
+time over alpha, from --alphas); error maps and pictures per alpha (figures 5 and 7) are written by --pictures.
 Needs matplotlib (Debian: python3-matplotlib).
 """
 import json
@@ -147,7 +149,49 @@ def equal_time(rows, folder):
     (folder / "equal_time.txt").write_text("\n".join(lines) + "\n")
 
 
-PLOTS = {"culling": (culling_curves, equal_time), "sphere": (figure_11, figure_12, primitives, table_1)}
+def lightcuts_curves(rows, folder):
+    """Baselines as curves over their samples, other methods as points; a column a scene and gaze."""
+    cases = sorted({(row["scene"], row["gaze"]) for row in rows})
+    default = next((row["alpha"] for row in rows if row["method"] == "sl"), None)
+    figure, axes = plt.subplots(2, len(cases), figsize=(3.8 * len(cases), 6), squeeze=False)
+    for column, (scene, gaze) in enumerate(cases):
+        here = [row for row in select(rows, scene=scene, gaze=gaze)
+                if default is None or row["alpha"] == default]
+        for axis, region in zip(axes[:, column], ("mse_f25", "mse_out25")):
+            for method in values(here, "method"):
+                points = sorted((row["cpu_ms"], row[region]) for row in select(here, method=method)
+                                if row[region] > 0)
+                if points:
+                    axis.plot(*zip(*points), "o-", label=method)
+            axis.set(title=f"{scene}, gaze {gaze}", xlabel="CPU ms a frame", ylabel=region,
+                     xscale="log", yscale="log")
+    axes[0][0].legend(fontsize=6)
+    figure.tight_layout()
+    figure.savefig(folder / "error_over_time.png", dpi=110)
+
+
+def lightcuts_alphas(rows, folder):
+    swept = select(rows, method="paper")
+    alphas = values(swept, "alpha")
+    if len(alphas) < 2:
+        return
+    cases = sorted({(row["scene"], row["gaze"]) for row in swept})
+    figure, axes = plt.subplots(1, 2, figsize=(8, 3.4))
+    lines = [f"{'CPU ms':24}" + "".join(f"{alpha:9g}" for alpha in alphas)]
+    for scene, gaze in cases:
+        line = sorted(select(swept, scene=scene, gaze=gaze), key=lambda row: row["alpha"])
+        lines.append(f"{scene + ', ' + gaze:24}" + "".join(f"{row['cpu_ms']:9.0f}" for row in line))
+        for axis, region in zip(axes, ("mse_f25", "mse_out25")):
+            axis.plot([r["alpha"] for r in line], [r[region] for r in line], "o-", label=scene)
+            axis.set(xlabel="alpha", ylabel=region, xscale="log", yscale="log")
+    axes[0].legend(fontsize=7)
+    figure.tight_layout()
+    figure.savefig(folder / "figure_8.png", dpi=110)
+    (folder / "table_4.txt").write_text("\n".join(lines) + "\n")
+
+
+PLOTS = {"culling": (culling_curves, equal_time), "lightcuts": (lightcuts_curves, lightcuts_alphas),
+         "sphere": (figure_11, figure_12, primitives, table_1)}
 
 
 def main():
