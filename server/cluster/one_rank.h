@@ -24,6 +24,8 @@ class OneRank final : public scheduling::RankGroup {
   bool broadcast(scheduling::Bytes&) override { return true; }
   void begin_tickets() override { tickets_ = 0; }
   std::size_t take_ticket() override { return tickets_++; }
+  void announce_stop(std::uint64_t) override {}
+  bool hears_stop(std::uint64_t) override { return false; }
   std::string lost() const override { return {}; }
 
  private:

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/scheduling/cpu_time.h"
+#include "server/scheduling/rank_group.h"
 #include "server/scheduling/tile_scheduler.h"
 #include "shared/base/check.h"
 
@@ -57,15 +58,19 @@ struct FrameSharing::Own {
   }
 };
 
+bool FrameSharing::leaves(const std::stop_token& stop, Own& own) {
+  if (own.left_out.load(std::memory_order_relaxed)) return true;
+  const bool is_first = ranks_.rank() == 0;
+  if (!(is_first ? stop.stop_requested() : ranks_.hears_stop(pass_))) return false;
+  if (!own.left_out.exchange(true) && is_first) ranks_.announce_stop(pass_);
+  return true;
+}
+
 void FrameSharing::run_assigned(TileScheduler& scheduler, const std::vector<std::uint32_t>& tiles,
                                 const TileBody& body, const std::stop_token& stop, Own& own) {
   for (const std::uint32_t tile : tiles) own.tiles.push_back({tile, 0.0F});
   scheduler.run(own.tiles.size(), [&](std::size_t slot) {
-    if (stop.stop_requested()) {
-      own.left_out.store(true, std::memory_order_relaxed);
-    } else {
-      own.run(slot, body);
-    }
+    if (!leaves(stop, own)) own.run(slot, body);
   });
 }
 
@@ -76,7 +81,7 @@ void FrameSharing::run_by_ticket(TileScheduler& scheduler, const TileBody& body,
   std::vector<TileCost> taken;
   scheduler.run(static_cast<std::size_t>(scheduler.threads()), [&](std::size_t) {
     for (;;) {
-      if (stop.stop_requested()) return own.left_out.store(true, std::memory_order_relaxed);
+      if (leaves(stop, own)) return;
       const std::size_t ticket = ranks_.take_ticket();
       if (ticket >= count) return;
       const double begin = thread_cpu_ms();
@@ -171,6 +176,7 @@ Outcome FrameSharing::run(TileScheduler& scheduler, const SharedPass& pass, cons
   record.costs_ms.assign(count, 0.0F);
   record.bytes.assign(count, 0U);
   const auto begin = Clock::now();
+  pass_ = ranks_.begin_pass();
   Own own;
   if (balance_ == Balance::Dynamic) {
     run_by_ticket(scheduler, body, stop, count, own);

@@ -15,10 +15,10 @@
 #include "server/scheduling/balance.h"
 #include "server/scheduling/cost_forecast.h"
 #include "server/scheduling/parcel.h"
-#include "server/scheduling/rank_group.h"
 
 namespace macula::scheduling {
 
+class RankGroup;
 class TileScheduler;
 enum class Outcome;
 
@@ -64,6 +64,8 @@ class FrameSharing {
   struct Own;
   void run_assigned(TileScheduler& scheduler, const std::vector<std::uint32_t>& tiles,
                     const TileBody& body, const std::stop_token& stop, Own& own);
+  /// Whether this pass is to be left; on rank 0, tells the others.
+  bool leaves(const std::stop_token& stop, Own& own);
   void run_by_ticket(TileScheduler& scheduler, const TileBody& body, const std::stop_token& stop,
                      std::size_t count, Own& own);
   bool exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
@@ -72,6 +74,7 @@ class FrameSharing {
   RankGroup& ranks_;
   Balance balance_;
   CostForecast& forecast_;
+  std::uint64_t pass_ = 0;
   std::vector<PassRecord> passes_;
 };
 

@@ -51,8 +51,17 @@ class RankGroup {
   /// Tickets 0, 1, 2, ... over all ranks together, anew from here on.
   virtual void begin_tickets() = 0;
   virtual std::size_t take_ticket() = 0;
+  /// Rank 0 leaves pass number `pass` before its end; others may, too, once they hear of it.
+  /// Threads of a rank may ask at the same time.
+  virtual void announce_stop(std::uint64_t pass) = 0;
+  virtual bool hears_stop(std::uint64_t pass) = 0;
+  /// Passes count from 1, on all ranks alike.
+  std::uint64_t begin_pass() { return ++passes_; }
   /// Who was lost, in words for people; empty while nobody is.
   virtual std::string lost() const = 0;
+
+ private:
+  std::uint64_t passes_ = 0;
 };
 
 }  // namespace macula::scheduling

@@ -106,6 +106,11 @@ class Experiment {
   Result<void> run() {
     auto workloads = options_.kernels;
     if (workloads.empty()) workloads = ScalingSetting::workloads();
+    const std::size_t series = 2 + std::size(kBalances) * (groups_.size() - 1);
+    if (speaks())
+      progress_.emplace(
+          "scaling", static_cast<std::int64_t>(workloads.size() * options_.gazes.size() *
+                                               static_cast<std::size_t>(options_.rounds) * series));
     for (const std::string& workload : workloads) {
       workload_ = workload;
       scene_ = options_.scene.empty() ? ScalingSetting::standard_scene(workload) : options_.scene;
@@ -175,6 +180,7 @@ class Experiment {
     const Timed timed(*setting.kernels().front(), all);
     if (!setting.render(timed, gaze, options_.warm_up + options_.frames, scheduler_)) return false;
     plain_ms_.insert(plain_ms_.end(), all.begin() + options_.warm_up, all.end());
+    progress_->advance();
     return true;
   }
 
@@ -199,6 +205,7 @@ class Experiment {
     const cluster::RankedKernel kernel(setting.kernels().front(), 0, leader);
     const bool good = setting.render(kernel, gaze, options_.warm_up + options_.frames, scheduler_);
     leader->end();
+    progress_->advance();
     return good;
   }
 
@@ -290,6 +297,7 @@ class Experiment {
   std::vector<double> plain_ms_;
   std::vector<FrameTrace> traces_;
   std::vector<Fields> rows_;
+  std::optional<Progress> progress_;
 };
 
 Fields config_of(const ScalingOptions& options, const std::optional<Link>& link) {

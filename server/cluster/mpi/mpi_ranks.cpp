@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using scheduling::Bytes;
 using scheduling::Gathered;
-constexpr int kSizeTag = 1;
+constexpr int kSizeTag = 1, kStopTag = 2;
 
 int count_of(std::size_t bytes) {
   MACULA_CHECK(bytes <= INT_MAX, "MPI counts bytes in an int");
@@ -53,6 +53,7 @@ struct MpiRanks::Group {
   std::vector<std::string> hosts;
   MPI_Win window = MPI_WIN_NULL;  ///< two counters of rank 0; none until tickets are drawn
   std::uint64_t series = 0;
+  std::uint64_t stopped = 0;  ///< the newest pass that rank 0 left
   mutable std::mutex mutex;
   std::string lost;
 
@@ -251,6 +252,22 @@ std::size_t MpiRanks::take_ticket() {
                    MPI_SUM, group_->window);
   MPI_Win_flush(0, group_->window);
   return ticket;
+}
+
+void MpiRanks::announce_stop(std::uint64_t pass) {
+  std::lock_guard lock(group_->mutex);
+  // Eight bytes leave at once, whoever listens.
+  for (int other = 1; other < group_->size; ++other)
+    MPI_Send(&pass, 1, MPI_UINT64_T, other, kStopTag, group_->comm);
+}
+
+bool MpiRanks::hears_stop(std::uint64_t pass) {
+  std::lock_guard lock(group_->mutex);
+  int waits = 0;
+  MPI_Iprobe(0, kStopTag, group_->comm, &waits, MPI_STATUS_IGNORE);
+  if (waits != 0)
+    MPI_Recv(&group_->stopped, 1, MPI_UINT64_T, 0, kStopTag, group_->comm, MPI_STATUS_IGNORE);
+  return group_->stopped == pass;
 }
 
 std::shared_ptr<scheduling::RankGroup> MpiRanks::first(int ranks) {

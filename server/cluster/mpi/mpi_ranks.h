@@ -27,6 +27,8 @@ class MpiRanks final : public scheduling::RankGroup {
   bool broadcast(scheduling::Bytes& bytes) override;
   void begin_tickets() override;
   std::size_t take_ticket() override;
+  void announce_stop(std::uint64_t pass) override;
+  bool hears_stop(std::uint64_t pass) override;
   std::string lost() const override;
 
   /// The first `ranks` of these alone; for the others, nullptr. Called by all.

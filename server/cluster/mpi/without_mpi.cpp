@@ -36,6 +36,10 @@ void MpiRanks::begin_tickets() {}
 std::size_t MpiRanks::take_ticket() {
   return 0;
 }
+void MpiRanks::announce_stop(std::uint64_t) {}
+bool MpiRanks::hears_stop(std::uint64_t) {
+  return false;
+}
 std::shared_ptr<scheduling::RankGroup> MpiRanks::first(int) {
   return nullptr;
 }

@@ -27,6 +27,8 @@ class Swapping final : public scheduling::RankGroup {
   bool broadcast(scheduling::Bytes& bytes) override { return ranks_->broadcast(bytes); }
   void begin_tickets() override { ranks_->begin_tickets(); }
   std::size_t take_ticket() override { return ranks_->take_ticket(); }
+  void announce_stop(std::uint64_t pass) override { ranks_->announce_stop(pass); }
+  bool hears_stop(std::uint64_t pass) override { return ranks_->hears_stop(pass); }
   std::string lost() const override { return ranks_->lost(); }
 
  private:

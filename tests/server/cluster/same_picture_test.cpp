@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <thread>
 
 #include "tests/server/cluster/shared_frames.h"
@@ -76,6 +78,37 @@ TEST(RanksTwin, SwappedTilesGiveAnotherPicture) {
   EXPECT_TRUE(same_bits(render_alone(of), render_together(of, {2})));
   EXPECT_FALSE(
       same_bits(render_alone(of), render_together(of, {2, Balance::Predicted, swap_parts})));
+}
+
+/// Rank 0 is told to stop in the middle of a pass: all ranks leave the same pass, and stop there.
+TEST(RanksStop, AStopOfRankZeroStopsAllInTheSamePass) {
+  constexpr std::size_t kTiles = 400;
+  const auto meeting = std::make_shared<Meeting>(2);
+  std::stop_source stop;
+  std::atomic<std::size_t> ran{0};
+  std::array<int, 2> completed{};
+  const auto take_part = [&](int rank) {
+    ThreadRanks ranks(meeting, rank);
+    scheduling::CostForecast forecast;
+    forecast.begin_frame({});
+    scheduling::FrameSharing sharing(ranks, Balance::Predicted, forecast);
+    TileScheduler scheduler(1);
+    const scheduling::SharedPass pass{std::vector<scheduling::TilePlace>(kTiles)};
+    const auto body = [&](std::size_t) {
+      std::this_thread::sleep_for(std::chrono::milliseconds{1});
+      if (++ran == kTiles + 20) stop.request_stop();  // early in the second pass
+    };
+    const auto token = rank == 0 ? stop.get_token() : std::stop_token{};
+    const auto nothing = [](std::size_t, scheduling::Parcel&) {};
+    while (sharing.run(scheduler, pass, body, nothing, token) == scheduling::Outcome::Completed)
+      ++completed[static_cast<std::size_t>(rank)];
+  };
+  std::thread other([&] { take_part(1); });
+  take_part(0);
+  other.join();
+  EXPECT_EQ(completed[0], 1);
+  EXPECT_EQ(completed[1], 1);
+  EXPECT_LT(ran.load(), 2 * kTiles - 100) << "nobody went on to the pass's end";
 }
 
 /// Ranks that do not agree on who runs what: some tiles come twice, others never.

@@ -25,6 +25,7 @@ struct Meeting {
   std::barrier<> barrier;
   std::vector<const scheduling::Bytes*> given;
   std::atomic<std::size_t> tickets{0};
+  std::atomic<std::uint64_t> stopped{0};  ///< pass
   Tamper tamper;
 };
 
@@ -55,6 +56,8 @@ class ThreadRanks final : public scheduling::RankGroup {
     meeting_->barrier.arrive_and_wait();
   }
   std::size_t take_ticket() override { return meeting_->tickets++; }
+  void announce_stop(std::uint64_t pass) override { meeting_->stopped = pass; }
+  bool hears_stop(std::uint64_t pass) override { return meeting_->stopped == pass; }
   std::string lost() const override { return {}; }
 
  private:

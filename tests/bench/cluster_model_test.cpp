@@ -1,0 +1,58 @@
+// Closed forms of the modelled cluster.
+#include "tests/bench/cluster_model.h"
+
+#include <gtest/gtest.h>
+
+namespace macula::bench {
+namespace {
+
+using scheduling::Audience;
+using scheduling::Balance;
+
+/// 64 tiles of 1 ms that leave 1000 bytes each.
+FrameTrace even_tiles(Audience audience) {
+  scheduling::PassRecord pass;
+  pass.costs_ms.assign(64, 1.0F);
+  pass.expected.assign(64, 1.0F);
+  pass.bytes.assign(64, 1000U);
+  pass.audience = audience;
+  return {{pass}, 2.0};
+}
+
+TEST(ClusterModel, OneRankTakesTheTilesAndWhatIsAlone) {
+  const ModelledFrame one = model_frame(even_tiles(Audience::EveryRank), {}, Balance::Predicted);
+  EXPECT_DOUBLE_EQ(one.frame_ms, 66.0);
+  EXPECT_EQ(one.comm_bytes, 0.0);
+  EXPECT_EQ(one.imbalance, 1.0);
+}
+
+TEST(ClusterModel, EightRanksShareTilesAndPayForLinksAndCopies) {
+  const ClusterSpec spec{8, 1, 0.1, 1000.0, 2000.0};
+  const ModelledFrame all = model_frame(even_tiles(Audience::EveryRank), spec, Balance::Predicted);
+  EXPECT_DOUBLE_EQ(all.tiles_ms, 8.0);
+  EXPECT_DOUBLE_EQ(all.alone_ms, 2.0);
+  EXPECT_DOUBLE_EQ(all.copy_ms, (8000.0 + 56000.0) / 2000.0);
+  EXPECT_DOUBLE_EQ(all.transfer_ms, 3 * 3 * 0.1 + 56000.0 / 1000.0);
+  EXPECT_DOUBLE_EQ(all.comm_bytes, 7 * 64000.0);
+  const ModelledFrame zero = model_frame(even_tiles(Audience::RankZero), spec, Balance::Predicted);
+  EXPECT_DOUBLE_EQ(zero.comm_bytes, 56000.0);
+}
+
+TEST(ClusterModel, ThreadsOfARankShareItsTiles) {
+  const ClusterSpec spec{2, 16, 0.0, 1e12, 1e12};
+  const ModelledFrame frame = model_frame(even_tiles(Audience::RankZero), spec, Balance::Predicted);
+  EXPECT_DOUBLE_EQ(frame.tiles_ms, 2.0);
+}
+
+TEST(ClusterModel, StripesWaitForTheCostlyPart) {
+  FrameTrace trace = even_tiles(Audience::RankZero);
+  for (std::size_t tile = 0; tile < 16; ++tile)
+    trace.passes[0].costs_ms[tile] = trace.passes[0].expected[tile] = 10.0F;
+  const ClusterSpec spec{4, 1, 0.0, 1e12, 1e12};
+  EXPECT_GT(model_frame(trace, spec, Balance::Stripes).imbalance, 3.0);
+  EXPECT_LE(model_frame(trace, spec, Balance::Predicted).imbalance, 1.02);
+  EXPECT_LE(model_frame(trace, spec, Balance::Dynamic).imbalance, 1.1);
+}
+
+}  // namespace
+}  // namespace macula::bench
