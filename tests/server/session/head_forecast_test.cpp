@@ -116,9 +116,9 @@ TEST(HeadForecast, TheViewCellIsWhatTheHeadWalksMeanwhileWithinItsBounds) {
   HeadForecast walking = fed(layering(), Degrees{0.0}, 40.0);  // 0.5 m/s over 50 ms
   EXPECT_NEAR(walking.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.025, 1e-9);
   HeadForecast late = fed(layering(), Degrees{0.0}, 300.0);
-  EXPECT_EQ(late.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.05);
+  EXPECT_DOUBLE_EQ(late.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.05);
   HeadForecast quick = fed(layering(), Degrees{0.0}, 1.0);
-  EXPECT_EQ(quick.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.01);
+  EXPECT_DOUBLE_EQ(quick.view_cell_m(moving(20, Degrees{0.0}), at_ms(300)), 0.01);
 }
 
 TEST(HeadForecast, ThereIsNoViewCellWithoutAHorizonOrAWish) {
