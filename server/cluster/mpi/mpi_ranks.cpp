@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using scheduling::Bytes;
 using scheduling::Gathered;
-constexpr int kSizeTag = 1, kStopTag = 2;
+constexpr int kSizeTag = 1, kStopTag = 2, kBeatTag = 3;
 
 int count_of(std::size_t bytes) {
   MACULA_CHECK(bytes <= INT_MAX, "MPI counts bytes in an int");
@@ -53,7 +53,8 @@ struct MpiRanks::Group {
   std::vector<std::string> hosts;
   MPI_Win window = MPI_WIN_NULL;  ///< two counters of rank 0; none until tickets are drawn
   std::uint64_t series = 0;
-  std::uint64_t stopped = 0;  ///< the newest pass that rank 0 left
+  std::uint64_t meetings = 0;  ///< of all ranks, this one included
+  std::uint64_t stopped = 0;   ///< the newest pass that rank 0 left
   mutable std::mutex mutex;
   std::string lost;
 
@@ -86,19 +87,24 @@ struct MpiRanks::Group {
   }
   std::chrono::milliseconds patience_here() const { return rank == 0 ? patience : 3 * patience; }
 
-  /// False after `longest`; requests keep what was completed as MPI_REQUEST_NULL.
-  static bool wait(std::span<MPI_Request> requests, std::optional<Clock::duration> longest) {
+  /// False after `longest` (none: never). Who waits for long tells rank 0 where.
+  bool wait(std::span<MPI_Request> requests, std::optional<Clock::duration> longest) const {
     Pause pause;
+    auto next_beat = patience / 4;
     for (;;) {
       int done = 0;
       MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE);
       if (done != 0) return true;
       if (longest && pause.waited() > *longest) return false;
+      if (rank != 0 && longest && pause.waited() > next_beat) {
+        MPI_Send(&meetings, 1, MPI_UINT64_T, 0, kBeatTag, comm);
+        next_beat += patience / 4;
+      }
       pause();
     }
   }
   bool wait(MPI_Request request) {
-    return wait(std::span(&request, 1), patience_here()) || lose(rank == 0 ? "a rank" : name_of(0));
+    return wait(std::span(&request, 1), patience_here()) || lose(silent());
   }
 
   /// Bytes of every rank. Rank 0 hears from each by itself, and knows who is missing.
@@ -119,6 +125,21 @@ struct MpiRanks::Group {
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibcast(sizes.data(), size, MPI_UINT64_T, 0, comm, &request);
     return wait(request);
+  }
+  /// The first that does not wait at this meeting, too.
+  std::string silent() const {
+    for (int other = 1; rank == 0 && other < size; ++other) {
+      bool waits = false;
+      for (int more = 1; more != 0;) {
+        MPI_Iprobe(other, kBeatTag, comm, &more, MPI_STATUS_IGNORE);
+        std::uint64_t where = 0;
+        if (more == 0) break;
+        MPI_Recv(&where, 1, MPI_UINT64_T, other, kBeatTag, comm, MPI_STATUS_IGNORE);
+        waits = waits || where == meetings;
+      }
+      if (!waits) return name_of(other);
+    }
+    return rank == 0 ? "a rank" : name_of(0);
   }
   std::string missing(std::span<const MPI_Request> requests) const {
     if (rank != 0) return name_of(0);
@@ -189,6 +210,7 @@ std::string MpiRanks::lost() const {
 
 bool MpiRanks::all_gather(const Bytes& mine, Gathered& all) {
   if (group_->is_lost()) return false;
+  ++group_->meetings;
   std::vector<std::uint64_t> told;
   if (!group_->tell_sizes(mine.size(), told)) return false;
   all = Gathered(std::vector<std::size_t>(told.begin(), told.end()));
@@ -201,6 +223,7 @@ bool MpiRanks::all_gather(const Bytes& mine, Gathered& all) {
 
 bool MpiRanks::gather(const Bytes& mine, Gathered& all) {
   if (group_->is_lost()) return false;
+  ++group_->meetings;
   const Layout layout = layout_of(all);
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Igatherv(mine.data(), count_of(mine.size()), MPI_BYTE, start_of(all), layout.counts.data(),
@@ -210,13 +233,14 @@ bool MpiRanks::gather(const Bytes& mine, Gathered& all) {
 
 bool MpiRanks::broadcast(Bytes& bytes) {
   if (group_->is_lost()) return false;
+  ++group_->meetings;
   std::uint64_t size = bytes.size();
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Ibcast(&size, 1, MPI_UINT64_T, 0, group_->comm, &request);
   if (group_->rank == 0) {
     if (!group_->wait(request)) return false;
   } else {
-    Group::wait(std::span(&request, 1), std::nullopt);
+    group_->wait(std::span(&request, 1), std::nullopt);
   }
   bytes.resize(size);
   MPI_Ibcast(bytes.data(), count_of(size), MPI_BYTE, 0, group_->comm, &request);
