@@ -54,7 +54,7 @@ std::vector<LadderStep> far_apart(std::span<const LadderStep> steps) {
   for (const LadderStep& step : steps) {
     if (kept.empty() || step.rmse <= kMostErrorShare * kept.back().rmse) kept.push_back(step);
   }
-  if (kept.size() > 1 && steps.back().rmse < kept.back().rmse) kept.back() = steps.back();
+  if (!kept.empty() && steps.back().rmse < kept.back().rmse) kept.push_back(steps.back());
   return kept;
 }
 
