@@ -1,6 +1,7 @@
 #include "tests/soak/process_size.h"
 
 #include <unistd.h>
+#include <algorithm>
 
 #include <filesystem>
 #include <fstream>
@@ -27,17 +28,17 @@ ProcessSize size_of(pid_t process, double at_s) {
 }
 
 double resident_slope_mb_per_h(const std::vector<ProcessSize>& sizes) {
-  double mean_t = 0.0, mean_mb = 0.0;
-  for (const ProcessSize& size : sizes) {
-    mean_t += size.at_s / static_cast<double>(sizes.size());
-    mean_mb += size.resident_mb / static_cast<double>(sizes.size());
+  std::vector<double> slopes;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    for (std::size_t j = i + 1; j < sizes.size(); ++j) {
+      const double hours = (sizes[j].at_s - sizes[i].at_s) / 3600.0;
+      if (hours > 0.0) slopes.push_back((sizes[j].resident_mb - sizes[i].resident_mb) / hours);
+    }
   }
-  double covariance = 0.0, variance = 0.0;
-  for (const ProcessSize& size : sizes) {
-    covariance += (size.at_s - mean_t) * (size.resident_mb - mean_mb);
-    variance += (size.at_s - mean_t) * (size.at_s - mean_t);
-  }
-  return variance > 0.0 ? 3600.0 * covariance / variance : 0.0;
+  if (slopes.empty()) return 0.0;
+  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
+  std::nth_element(slopes.begin(), middle, slopes.end());
+  return *middle;
 }
 
 }  // namespace macula::soak

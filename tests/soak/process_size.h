@@ -16,7 +16,8 @@ struct ProcessSize {
 /// Of a living process; at_s is the caller's.
 ProcessSize size_of(pid_t process, double at_s);
 
-/// Least-squares slope of the resident size.
+/// Median of the slopes between all pairs (Theil 1950, Sen 1968): what is held for a moment longer,
+/// here and there, does not tilt it. 0 of fewer than two moments.
 double resident_slope_mb_per_h(const std::vector<ProcessSize>& sizes);
 
 }  // namespace macula::soak
