@@ -218,8 +218,16 @@ void Server::render(Job job, NextFrame next) {
       give_up(key, outcome.error().message());
     }
   }
+  if (!rendered) return give_back(std::move(job));
   // Two jobs in channels of two: a put fails only while the server stops.
-  (void)(rendered ? rendered_ : free_jobs_).put(std::move(job));
+  (void)rendered_.put(std::move(job));
+}
+
+/// A job that waits holds nothing of a session, which may end meanwhile.
+void Server::give_back(Job job) {
+  job->start = {};
+  job->encode_memory.reset();
+  (void)free_jobs_.put(std::move(job));
 }
 
 void Server::give_up(const FrameKey& key, const std::string& why) {
@@ -234,7 +242,7 @@ void Server::encode_loop() {
     auto encoded = within_memory([&] { return encode_stage_.encode(**job); });
     finish_encoding(**job, std::move(encoded));
     may_start_.notify_one();
-    (void)free_jobs_.put(std::move(*job));
+    give_back(std::move(*job));
   }
 }
 

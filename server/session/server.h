@@ -75,6 +75,7 @@ class Server {
   /// Waits until a frame may start; nullopt when the server stops.
   std::optional<NextFrame> wait_for_frame();
   void render(Job job, NextFrame next);
+  void give_back(Job job);
   void finish_encoding(const FrameJob& job, Result<net::EncodedFrame> encoded);
   void give_up(const FrameKey& key, const std::string& why);
 
