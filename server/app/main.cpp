@@ -1,12 +1,11 @@
 // macula-server: reads arguments and environment, runs, and turns errors into exit statuses.
-#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
-#include <iterator>
 
 #include "server/app/app.h"
+#include "server/app/launch.h"
 #include "server/app/options.h"
 #include "server/app/stop_signal.h"
 #include "shared/net/keys.h"
@@ -29,13 +28,6 @@ std::string ladders_beside_program() {
   return (program.parent_path().parent_path() / "share" / "macula" / "ladders").string();
 }
 
-/// Open MPI's mpirun, other launchers by PMI, Slurm by PMIx.
-bool is_launched_by_mpi() {
-  constexpr const char* kSigns[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"};
-  return std::any_of(std::begin(kSigns), std::end(kSigns),
-                     [](const char* name) { return std::getenv(name) != nullptr; });
-}
-
 Result<void> run_command(const server_app::Command& command,
                          const server_app::Environment& environment, server_app::StopSignal& stop) {
   if (const auto* pair = std::get_if<server_app::PairCommand>(&command))
@@ -55,7 +47,7 @@ int guarded_main(int argc, char** argv) {
   server_app::StopSignal stop;
   const server_app::Environment environment{
       net::default_key_folder(std::getenv("XDG_CONFIG_HOME"), std::getenv("HOME")),
-      ladders_beside_program(), is_launched_by_mpi()};
+      ladders_beside_program(), server_app::is_launched_by_mpi()};
   const auto done = run_command(*parsed, environment, stop);
   return done ? EXIT_SUCCESS : report(done.error());
 }

@@ -1,29 +1,17 @@
 // The command line of experiments on several ranks.
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cstdlib>
-#include <iterator>
 #include <memory>
 
+#include "server/app/launch.h"
 #include "tests/bench/command_options.h"
 #include "tests/bench/commands.h"
 #include "tests/bench/scaling.h"
 
 namespace macula::bench {
-namespace {
-
-bool is_launched_by_mpi() {
-  constexpr const char* kSigns[] = {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"};
-  return std::any_of(std::begin(kSigns), std::end(kSigns),
-                     [](const char* name) { return std::getenv(name) != nullptr; });
-}
-
-}  // namespace
-
 Run declare_scaling(CLI::App& command, Pace pace) {
   auto options = std::make_shared<ScalingOptions>();
   if (pace == Pace::Quick) make_quick(*options);
-  options->launched_by_mpi = is_launched_by_mpi();
+  options->launched_by_mpi = server_app::is_launched_by_mpi();
   command.add_option("--kernels", options->kernels, "What to measure")
       ->delimiter(',')
       ->option_text("ao16,lightcuts,culling,sphere (all)");
