@@ -5,6 +5,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "shared/base/text.h"
 
@@ -81,7 +82,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
       return refuse(offset, "the key '" + value + "' stands here for the second time",
                     "remove one of the two");
     }
-    open_.back()->members.emplace_back(std::move(value), JsonValue{});
+    open_.back()->members.push_back({std::move(value), {}});
     return true;
   }
   bool parse_error(std::size_t position, const std::string&,
@@ -111,7 +112,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     if (!open_.empty() && open_.back()->type == JsonValue::Type::Array)
       value = &open_.back()->items.emplace_back();
     else if (!open_.empty())
-      value = &open_.back()->members.back().second;
+      value = &open_.back()->members.back().value;
     value->type = type;
     value->offset = offset;
     return value;

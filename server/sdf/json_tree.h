@@ -5,12 +5,13 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "shared/base/result.h"
 
 namespace macula::sdf {
+
+struct JsonMember;
 
 struct JsonValue {
   enum class Type { Null, Boolean, Number, String, Array, Object };
@@ -19,11 +20,16 @@ struct JsonValue {
   bool boolean = false;
   double number = 0.0;
   std::string text;
-  std::vector<JsonValue> items;                            ///< of an array
-  std::vector<std::pair<std::string, JsonValue>> members;  ///< of an object, in the file's order
-  std::size_t offset = 0;                                  ///< first byte of the value
+  std::vector<JsonValue> items;     ///< of an array
+  std::vector<JsonMember> members;  ///< of an object, in the file's order
+  std::size_t offset = 0;           ///< first byte of the value
 
   const JsonValue* find(std::string_view key) const;
+};
+
+struct JsonMember {
+  std::string name;
+  JsonValue value;
 };
 
 inline constexpr std::size_t kMaxJsonDepth = 64;

@@ -125,7 +125,6 @@ void Server::control_loop() {
   ServerTime last_tick = now();
   for (;;) {
     auto event = parts_.endpoint->wait(kTick);
-    bool session_ended = false;
     {
       std::lock_guard lock(mutex_);
       if (stopping_) return;
@@ -134,10 +133,9 @@ void Server::control_loop() {
         carry_out(table_.tick(now()));
         last_tick = now();
       }
-      session_ended = std::exchange(session_ended_, false);
     }
     may_start_.notify_one();
-    if (session_ended) base::return_free_memory();
+    if (memory_freed_.exchange(false)) base::return_free_memory();
   }
 }
 
@@ -152,7 +150,11 @@ void Server::take(const net::ServerEvent& event) {
 std::shared_ptr<RenderMemory> Server::memory_of(const FrameKey& key) {
   std::shared_ptr<RenderMemory>& memory = memories_[key.session];
   if (!memory || memory->epoch != key.epoch) {
-    memory = std::make_shared<RenderMemory>();
+    // Whichever thread lets go of it last: only then has the system something to get back.
+    memory = {new RenderMemory, [this](const RenderMemory* freed) {
+                delete freed;
+                memory_freed_ = true;
+              }};
     memory->epoch = key.epoch;
   }
   return memory;
@@ -182,7 +184,7 @@ void Server::render_loop() {
 
 void Server::render(Job job, NextFrame next) {
   job->start = std::move(next.start);
-  job->encode_memory = next.memory->encode;
+  job->encode_memory = {next.memory, next.memory->encode.get()};
   job->starts_history = std::exchange(next.memory->history_is_torn, false);
   if (job->starts_history) next.memory->history = {};
   const FrameKey key = job->start.key;
@@ -294,7 +296,6 @@ void Server::act(AbandonFrames&& action) {
 
 void Server::act(DropSession&& action) {
   memories_.erase(action.session);
-  session_ended_ = true;
   base::log_info(base::concat("session ", std::hex, action.session, " ended: ", action.reason));
 }
 

@@ -6,6 +6,7 @@
 // encoding or waiting.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <map>
 #include <memory>
@@ -95,6 +96,7 @@ class Server {
   RenderStage render_stage_;
   EncodeStage encode_stage_;
   const bool overlaps_;  ///< a frame may render while the one before it is encoded
+  std::atomic<bool> memory_freed_ = false;  ///< a session's, since the control loop last looked
   base::Channel<Job> free_jobs_, rendered_;
 
   mutable std::mutex mutex_;
@@ -104,7 +106,6 @@ class Server {
   std::map<FrameKey, net::EncodedFrame> outbox_;  ///< encoded, waiting for credit
   std::map<std::uint64_t, std::shared_ptr<RenderMemory>> memories_;  ///< by session
   std::optional<Rendering> rendering_;
-  bool session_ended_ = false;  ///< since the control loop last looked
   bool encoding_ = false;       ///< with overlap, of one frame at least
   Telemetry telemetry_;
 
