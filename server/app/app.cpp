@@ -90,6 +90,7 @@ std::string one_line(std::string text) {
 struct Ladder {
   std::shared_ptr<const session::QualityLadder> steps;
   std::vector<std::shared_ptr<const kernels::Kernel>> kernels;
+  std::shared_ptr<const kernels::Kernel> reference;
 };
 
 bool has_samples_by_hand(const Options& options) {
@@ -123,12 +124,15 @@ Result<Ladder> load_ladder(const Options& options, const Environment& environmen
   if (!file) return base::forward(file);
   if (file->kernel != kernel)
     return base::bad_input("is the ladder of kernel " + file->kernel, path, "that of " + kernel);
-  Ladder ladder{std::make_shared<session::QualityLadder>(file->ladder), {}};
+  Ladder ladder{std::make_shared<session::QualityLadder>(file->ladder), {}, {}};
   for (const session::QualityStep& step : file->ladder.steps()) {
     auto made = kernels::make_kernel(kernel, kernel_options(options), step.knobs);
     if (!made) return base::forward(made);
     ladder.kernels.push_back(std::move(*made));
   }
+  auto reference = kernels::make_reference(kernel, kernel_options(options));
+  if (!reference) return base::forward(reference);
+  ladder.reference = std::move(*reference);
   return ladder;
 }
 
@@ -169,6 +173,7 @@ session::ServerConfig server_config(const Options& options, const PlannedScene& 
   }
   config.jpeg_quality = options.color_quality;
   config.ladder = ladder.steps, config.ladder_kernels = ladder.kernels;
+  config.reference = ladder.reference;
   config.quality = options.quality, config.most_rmse = options.max_error;
   if (options.age_ms > 0.0) config.age_goal = units::from_ms(options.age_ms);
   if (options.target_ms) config.target_frame_time = units::from_ms(*options.target_ms);

@@ -17,7 +17,7 @@ std::string place(const std::string& path, const toml::value& value) {
 Result<double> number(const std::string& path, const toml::value& step, const char* key) {
   if (!step.is_table() || !step.contains(key))
     return base::bad_input(base::concat("a step has no '", key, "'"), place(path, step),
-                           "quality, scale, knobs, cost, rmse and rmse_per_difference");
+                           "quality, scale, knobs, cost and rmse");
   const toml::value& value = step.at(key);
   if (value.is_floating()) return value.as_floating();
   if (value.is_integer()) return static_cast<double>(value.as_integer());
@@ -28,8 +28,7 @@ Result<session::QualityStep> step_of(const std::string& path, const toml::value&
   session::QualityStep step;
   for (const auto& [key, into] :
        {std::pair{"quality", &step.quality}, std::pair{"scale", &step.scale},
-        std::pair{"cost", &step.cost}, std::pair{"rmse", &step.rmse},
-        std::pair{"rmse_per_difference", &step.rmse_per_difference}}) {
+        std::pair{"cost", &step.cost}, std::pair{"rmse", &step.rmse}}) {
     const auto value = number(path, table, key);
     if (!value) return base::forward(value);
     *into = *value;

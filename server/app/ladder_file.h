@@ -7,7 +7,6 @@
 //   knobs = "lights=1"          # of the kernel, over its options; "" for none
 //   cost = 0.03                 # of a frame, over the dearest step's
 //   rmse = 0.04                 # display-linear, as the eye weighs it
-//   rmse_per_difference = 1.1   # over the difference of two half-sample pictures
 #pragma once
 
 #include <string>

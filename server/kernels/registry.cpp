@@ -1,5 +1,6 @@
 #include "server/kernels/registry.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <string>
@@ -106,6 +107,21 @@ Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelO
   }
   return base::bad_input(base::concat("unknown kernel '", name, "'"), "kernel",
                          "allowed: " + list_of_names());
+}
+
+Result<std::unique_ptr<Kernel>> make_reference(std::string_view name,
+                                               const KernelOptions& options) {
+  KernelOptions single = options;
+  single.samples_per_cell = single.area_light_samples = 1;
+  single.ambient_samples = std::min(single.ambient_samples, 1);
+  single.environment_samples = 1;
+  single.reuse = Reuse::Nothing;
+  // Its exact mode has other shadows.
+  if (name == "sphere") return make_kernel(name, single, {{"foveation", "off"}});
+  single.mode = Mode::Exact;
+  if (name != "culling") return make_kernel(name, single);
+  single.bounces = options.bounces.value_or(1);
+  return make_kernel("brute", single);
 }
 
 Result<void> check_scene(std::string_view kernel, const scene::Scene& scene) {

@@ -33,6 +33,10 @@ constexpr bool renders(const KernelEntry& entry, SceneKind kind) {
 Result<std::unique_ptr<Kernel>> make_kernel(std::string_view name, const KernelOptions& options,
                                             const KnobValues& knobs = {});
 
+/// What kernel `name`'s pictures tend to with ever more samples, one sample at a time: without
+/// error but noise. Kernel sphere's lie at fixed places and err by what falls between them.
+Result<std::unique_ptr<Kernel>> make_reference(std::string_view name, const KernelOptions& options);
+
 /// Whether a kernel can render a scene: an error names the kernels that can. Unknown names pass.
 Result<void> check_scene(std::string_view kernel, const scene::Scene& scene);
 

@@ -53,6 +53,8 @@ struct ServerConfig {
   std::shared_ptr<const QualityLadder> ladder;
   /// The kernel with each step's knobs turned; empty: the kernel as it is, always.
   std::vector<std::shared_ptr<const kernels::Kernel>> ladder_kernels;
+  /// What frames are judged by, kernels::make_reference; null: they are not.
+  std::shared_ptr<const kernels::Kernel> reference;
   std::optional<double> quality;    ///< 0..10 on the ladder, with a target time at most; none: 10
   std::optional<double> most_rmse;  ///< never below the quality that has it
   std::optional<Nanoseconds> age_goal;  ///< of shown frames; nullopt: full quality on any link

@@ -1,8 +1,8 @@
-// How wrong a server's frames are, from themselves: two pictures of the same moment that share a
-// frame's cells between them, do not coincide and are drawn apart. Three pictures whose errors are
-// independent tell each one's error by how far they lie from each other, also where the frame
-// remembers more than the two; what errors they share, a quality ladder knows from its
-// measurements. Costs about one more frame. Pure but for the rendering.
+// How wrong a server's frames are, as they are made: a few pixels of the display, more of them
+// where the eye resolves more, are rendered twice by a method without error but noise. What a frame
+// shows there, less the one, times itself less the other, has the frame's squared error for its
+// mean: noise, blur, what is remembered wrongly and detail below every cell. Costs about a
+// hundredth of a frame. Pure but for the rendering.
 #pragma once
 
 #include <optional>
@@ -12,26 +12,34 @@
 
 namespace macula::session {
 
-/// A frame as prepare_views makes it, for one eye.
+/// A frame for one eye, as its display shows it.
 struct FrameToJudge {
-  kernels::View view;          ///< where it is seen from; its own grid is where they are compared
+  kernels::View view;          ///< where it is seen from, and the grid that `shown` lies on
   foveation::Display display;  ///< at full scale
-  double scale = 1.0;          ///< of the frame
-  foveation::RateModel model;
-  foveation::FovealGridOptions grid;
-  std::uint64_t frame = 0, seed = 1;
+  /// Counted from one to the next, so that they look at other pixels.
+  std::uint64_t judgement = 0, seed = 1;
 };
 
-/// With `shown` the frame, a and b the two half-sample pictures, which start without history:
-/// sqrt((|shown - a|^2 + |shown - b|^2 - |a - b|^2) / 2), display-linear RMS: the part of the
-/// frame's error that the two do not share ("three-cornered hat", Gray and Allan 1974). Averaged
-/// over the view's solid angle by the density of samples that the eye resolves
-/// (metrics::acuity_weight). shown.size() == the view's grid's. nullopt: stopped by the scheduler's
-/// token.
-std::optional<double> half_picture_difference(const kernels::Kernel& kernel,
-                                              const kernels::SceneFrame& scene,
-                                              const FrameToJudge& frame,
-                                              const image::Plane<Rgb>& shown,
-                                              kernels::TileScheduler& scheduler);
+/// Display-linear squared errors, averaged over the view's solid angle by the density of samples
+/// that the eye resolves (metrics::acuity_weight). Sums of several are the estimate of all.
+struct SpotError {
+  double squares = 0.0;  ///< may be negative: its mean is not
+  double weight = 0.0;
+
+  SpotError& operator+=(const SpotError& more) {
+    squares += more.squares, weight += more.weight;
+    return *this;
+  }
+  double mean_square() const { return weight > 0.0 ? squares / weight : 0.0; }
+};
+
+/// `reference`: a kernel without error but noise, kernels::make_reference. `shown`: the frame, its
+/// size is the view's grid's. Which pixels are looked at depends on judgement
+/// and seed. nullopt:
+/// stopped by the scheduler's token.
+std::optional<SpotError> spot_error(const kernels::Kernel& reference,
+                                    const kernels::SceneFrame& scene, const FrameToJudge& frame,
+                                    const image::Plane<Rgb>& shown,
+                                    kernels::TileScheduler& scheduler);
 
 }  // namespace macula::session

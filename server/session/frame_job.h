@@ -37,10 +37,8 @@ struct FrameJob {
   std::size_t cells = 0;
   foveation::RateModel rate_model;
   Degrees guard_band{0.0};
-  double scale = 1.0;  ///< of the nominal display, by the governor
-  /// Display-linear, as the eye weighs it, found from half-sample pictures; of frames that are
-  /// judged.
-  std::optional<double> estimated_rmse;
+  double scale = 1.0;              ///< of the nominal display, by the governor
+  std::optional<SpotError> error;  ///< of frames that are judged
   kernels::SceneTime scene_time;
   bool starts_history = false;  ///< it remembers no frame before it
   /// render_end is encode_begin: waiting for the encoder belongs to the encode stage.

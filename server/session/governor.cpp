@@ -10,9 +10,13 @@ namespace {
 constexpr int kTooManyKeys = 3;
 constexpr Nanoseconds kKeySpan = std::chrono::seconds{2}, kStatelessFor = std::chrono::seconds{10};
 
-/// A frame is judged so often; that costs about one frame more.
-constexpr Nanoseconds kJudgeEvery = std::chrono::seconds{5};
-constexpr double kSmoothing = 0.5;  ///< of estimates
+/// A frame is judged at a few places so often; so many such judgements tell of all.
+constexpr Nanoseconds kJudgeEvery = std::chrono::milliseconds{500};
+constexpr int kRemembered = 24;
+/// Estimates below this are by chance.
+constexpr double kLeastSquare = 0.01;
+/// By so much an estimate must move before quality does.
+constexpr double kMoved = 1.1;
 
 }  // namespace
 
@@ -30,16 +34,27 @@ void Governor::set_limits() {
   TimeBudget::Limits limits;
   limits.most = quality_.value_or(kBestQuality);
   if (most_rmse_) {
-    limits.least = time_.ladder().quality_for_error(*most_rmse_ / rmse_over_measured_);
+    limits.least = time_.ladder().quality_for_error(*most_rmse_ / limited_by_);
     limits.most = has_time_goal_ || quality_ ? std::max(limits.most, limits.least) : limits.least;
   }
   time_.set_limits(limits);
 }
 
-void Governor::on_error_estimated(double rmse) {
-  if (!(rmse > 0.0 && point_.rmse > 0.0)) return;
-  rmse_over_measured_ *= std::pow(rmse / point_.rmse / rmse_over_measured_, kSmoothing);
+void Governor::on_error_estimated(const SpotError& error) {
+  if (!(point_.rmse > 0.0 && error.weight > 0.0)) return;
+  estimates_ = std::min(estimates_ + 1, kRemembered);
+  const double over = error.mean_square() / (point_.rmse * point_.rmse);
+  square_over_measured_ += (over - square_over_measured_) / estimates_;
+  const double now = std::sqrt(std::max(square_over_measured_, kLeastSquare));
+  if (estimates_ < kRemembered / 2) return;
+  if (now < limited_by_ * kMoved && now * kMoved > limited_by_) return;
+  limited_by_ = now;
   set_limits();
+}
+
+std::optional<double> Governor::estimated_rmse() const {
+  if (estimates_ == 0) return std::nullopt;
+  return point_.rmse * std::sqrt(std::max(square_over_measured_, kLeastSquare));
 }
 
 void Governor::on_key_wanted(ServerTime now) {
@@ -58,8 +73,8 @@ Quality Governor::plan(const LinkState& link, ServerTime now) {
   quality.quality = point_.quality;
   quality.step = static_cast<std::uint32_t>(point_.step);
   quality.rmse = point_.rmse;
-  if (point_.rmse_per_difference > 0.0 && (!judged_ || now - *judged_ >= kJudgeEvery)) {
-    quality.rmse_per_difference = point_.rmse_per_difference;
+  if (point_.rmse > 0.0 && (!judged_ || now - *judged_ >= kJudgeEvery)) {
+    quality.judgement = ++judgements_;
     judged_ = now;
   }
   if (now < stateless_until_) quality.color = Quality::Color::Stateless;

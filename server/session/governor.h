@@ -2,9 +2,11 @@
 // session, pure, not thread-safe.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "server/session/byte_budget.h"
+#include "server/session/error_estimate.h"
 #include "server/session/quality_ladder.h"
 #include "server/session/time_budget.h"
 
@@ -25,8 +27,7 @@ struct Quality {
   double quality = kBestQuality;  ///< on the kernel's ladder
   std::uint32_t step = 0;         ///< of the ladder, whose knobs are turned
   double rmse = 0.0;              ///< that was measured of this place; 0: none was
-  /// Error over the difference of two half-sample pictures; above 0: this frame is to be judged.
-  double rmse_per_difference = 0.0;
+  std::uint64_t judgement = 0;    ///< above 0: this frame is to be judged, for the nth time
   BytePlan bytes;
   /// Colour leans on no other frame: for a link that loses too many.
   enum class Color { AsAgreed, Stateless };
@@ -39,8 +40,10 @@ class Governor {
 
   Quality plan(const LinkState& link, ServerTime now);
   void on_rendered(Nanoseconds render) { time_.on_frame(render); }
-  /// What the frame of the last plan's error was found to be.
-  void on_error_estimated(double rmse);
+  /// What the frame of the last plan's error was found to be, at a few places.
+  void on_error_estimated(const SpotError& error);
+  /// Display-linear, as the eye weighs it, of frames like the last one; nullopt: none was judged.
+  std::optional<double> estimated_rmse() const;
   void on_encoded(const EncodedSize& size) { bytes_.on_encoded(size); }
   /// The client lost a frame that others lean on.
   void on_key_wanted(ServerTime now);
@@ -50,8 +53,12 @@ class Governor {
 
   std::optional<double> quality_, most_rmse_;
   bool has_time_goal_;
-  double rmse_over_measured_ = 1.0;  ///< of this scene, by estimates so far
-  QualityPoint point_;               ///< of the last plan
+  /// Of this scene: squared errors over those that the ladder has, a mean of estimates so far.
+  double square_over_measured_ = 1.0;
+  std::uint64_t judgements_ = 0;  ///< asked for
+  int estimates_ = 0;             ///< had, at most those that are remembered
+  double limited_by_ = 1.0;       ///< RMSE over that of the ladder when limits were set
+  QualityPoint point_;            ///< of the last plan
   std::optional<ServerTime> judged_;
   TimeBudget time_;
   ByteBudget bytes_;

@@ -53,8 +53,8 @@ Result<QualityLadder> QualityLadder::create(std::vector<QualityStep> steps) {
 
 QualityLadder QualityLadder::of_scale() {
   constexpr double kLeast = 0.4;
-  return QualityLadder({{kLeastQuality, kLeast, {}, kLeast * kLeast, 0.0, 0.0},
-                        {kBestQuality, 1.0, {}, 1.0, 0.0, 0.0}});
+  return QualityLadder(
+      {{kLeastQuality, kLeast, {}, kLeast * kLeast, 0.0}, {kBestQuality, 1.0, {}, 1.0, 0.0}});
 }
 
 QualityPoint QualityLadder::at(double wanted) const {
@@ -62,14 +62,12 @@ QualityPoint QualityLadder::at(double wanted) const {
   std::size_t upper = 0;
   while (steps_[upper].quality < quality) ++upper;
   const QualityStep& above = steps_[upper];
-  QualityPoint point{quality,    above.scale, upper,
-                     above.cost, above.rmse,  above.rmse_per_difference};
+  QualityPoint point{quality, above.scale, upper, above.cost, above.rmse};
   if (above.quality == quality) return point;
   const QualityStep& below = steps_[upper - 1];
   const double share = (quality - below.quality) / (above.quality - below.quality);
   point.cost = between(below.cost, above.cost, share);
   point.rmse = between(below.rmse, above.rmse, share);
-  point.rmse_per_difference = between(below.rmse_per_difference, above.rmse_per_difference, share);
   const bool only_scale = above.knobs == below.knobs;
   point.scale = only_scale
                     ? between(below.scale, above.scale, share)

@@ -18,18 +18,17 @@ inline constexpr double kLeastQuality = 0.0, kBestQuality = 10.0;
 /// As measured, means over scenes.
 struct QualityStep {
   double quality = kBestQuality;
-  double scale = 1.0;                ///< of the periphery's resolution, (0, 1]; view_builder.h
-  kernels::KnobValues knobs;         ///< over the kernel's options
-  double cost = 1.0;                 ///< of a frame, over the dearest step's
-  double rmse = 0.0;                 ///< display-linear, as the eye weighs it; 0: not measured
-  double rmse_per_difference = 0.0;  ///< over session::half_picture_difference; 0: not measured
+  double scale = 1.0;         ///< of the periphery's resolution, (0, 1]; view_builder.h
+  kernels::KnobValues knobs;  ///< over the kernel's options
+  double cost = 1.0;          ///< of a frame, over the dearest step's
+  double rmse = 0.0;          ///< display-linear, as the eye weighs it; 0: not measured
 };
 
 /// A place on the ladder.
 struct QualityPoint {
   double quality = kBestQuality, scale = 1.0;
   std::size_t step = 0;  ///< whose knobs are turned
-  double cost = 1.0, rmse = 0.0, rmse_per_difference = 0.0;
+  double cost = 1.0, rmse = 0.0;
 };
 
 class QualityLadder {

@@ -28,24 +28,14 @@ const kernels::Kernel& RenderStage::kernel_for(const FrameJob& job, RenderMemory
 }
 
 /// By the first eye; both show the same scene at the same quality.
-void RenderStage::judge(FrameJob& job, const kernels::Kernel& kernel,
-                        const kernels::SceneFrame& scene, const ViewPolicy& policy) {
-  job.estimated_rmse.reset();
-  if (!(job.start.quality.rmse_per_difference > 0.0)) return;
+void RenderStage::judge(FrameJob& job, const kernels::SceneFrame& scene) {
+  job.error.reset();
+  if (job.start.quality.judgement == 0 || config_.reference == nullptr) return;
   foveation::Display display = job.start.setup->eyes.front();
   display.fov = job.start.view.eyes.front().fov;
-  const auto difference = half_picture_difference(kernel, scene,
-                                                  {job.views.front(),
-                                                   display,
-                                                   job.scale,
-                                                   job.rate_model,
-                                                   {.fovea_oversampling = policy.fovea_oversampling,
-                                                    .full_rate_radius = policy.full_rate_radius,
-                                                    .guard_band = policy.guard_band},
-                                                   job.start.key.frame,
-                                                   config_.seed},
-                                                  job.buffers.views.front().radiance, *scheduler_);
-  if (difference) job.estimated_rmse = job.start.quality.rmse_per_difference * *difference;
+  job.error = spot_error(*config_.reference, scene,
+                         {job.views.front(), display, job.start.quality.judgement, config_.seed},
+                         job.buffers.views.front().radiance, *scheduler_);
 }
 
 Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
@@ -80,7 +70,7 @@ Result<RenderOutcome> RenderStage::render(FrameJob& job, RenderMemory& memory,
   std::this_thread::sleep_for(config_.delays.render);
   job.render_end = now();
   if (job.report.stopped) return RenderOutcome::Stopped;
-  judge(job, kernel, **scene, policy);
+  judge(job, **scene);
   return RenderOutcome::Rendered;
 }
 

@@ -30,8 +30,7 @@ class RenderStage {
  private:
   /// The kernel with the knobs of the frame's step turned; another step starts a new history.
   const kernels::Kernel& kernel_for(const FrameJob& job, RenderMemory& memory) const;
-  void judge(FrameJob& job, const kernels::Kernel& kernel, const kernels::SceneFrame& scene,
-             const ViewPolicy& policy);
+  void judge(FrameJob& job, const kernels::SceneFrame& scene);
   /// Whether there is a second layer to make: the client may see another side of something.
   static bool wants_hidden(const FrameJob& job, const kernels::SceneFrame& scene);
   scheduling::Outcome render_hidden(FrameJob& job, const kernels::Kernel& kernel,

@@ -208,10 +208,8 @@ void Server::render(Job job, NextFrame next) {
       telemetry_.newest_scale = job->scale;
       telemetry_.newest_quality = job->start.quality.quality;
       telemetry_.measured_rmse = job->start.quality.rmse;
-      if (job->estimated_rmse) {
-        telemetry_.estimated_rmse = *job->estimated_rmse;
-        table_.on_error_estimated(key, *job->estimated_rmse);
-      }
+      if (job->error)
+        telemetry_.estimated_rmse = table_.on_error_estimated(key, *job->error).value_or(0.0);
       table_.on_frame_rendered(key, job->render_end - job->render_begin);
     } else if (outcome) {
       ++telemetry_.frames_stopped;

@@ -106,7 +106,7 @@ class Server {
   std::map<FrameKey, net::EncodedFrame> outbox_;  ///< encoded, waiting for credit
   std::map<std::uint64_t, std::shared_ptr<RenderMemory>> memories_;  ///< by session
   std::optional<Rendering> rendering_;
-  bool encoding_ = false;       ///< with overlap, of one frame at least
+  bool encoding_ = false;  ///< with overlap, of one frame at least
   Telemetry telemetry_;
 
   std::thread control_, render_, encode_;

@@ -154,8 +154,9 @@ void Session::on_frame_rendered(const FrameKey& key, Nanoseconds render) {
   if (is_mine(key)) governor_.on_rendered(render);
 }
 
-void Session::on_error_estimated(const FrameKey& key, double rmse) {
-  if (is_mine(key)) governor_.on_error_estimated(rmse);
+std::optional<double> Session::on_error_estimated(const FrameKey& key, const SpotError& error) {
+  if (is_mine(key)) governor_.on_error_estimated(error);
+  return governor_.estimated_rmse();
 }
 
 Actions Session::on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size) {

@@ -47,8 +47,8 @@ class Session {
   void on_settings(const net::Settings& settings);
   /// What rendering it took.
   void on_frame_rendered(const FrameKey& key, Nanoseconds render);
-  /// As it was found from the frame itself, display-linear RMSE.
-  void on_error_estimated(const FrameKey& key, double rmse);
+  /// Answers Governor::estimated_rmse().
+  std::optional<double> on_error_estimated(const FrameKey& key, const SpotError& error);
   /// Encoded: it leaves as soon as there is credit.
   Actions on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size = {});
   /// Will never be sent (stopped, or failed to encode).

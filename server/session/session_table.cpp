@@ -221,9 +221,10 @@ void SessionTable::on_frame_rendered(const FrameKey& key, Nanoseconds render) {
     found->second.on_frame_rendered(key, render);
 }
 
-void SessionTable::on_error_estimated(const FrameKey& key, double rmse) {
-  if (const auto found = sessions_.find(key.session); found != sessions_.end())
-    found->second.on_error_estimated(key, rmse);
+std::optional<double> SessionTable::on_error_estimated(const FrameKey& key,
+                                                       const SpotError& error) {
+  const auto found = sessions_.find(key.session);
+  return found == sessions_.end() ? std::nullopt : found->second.on_error_estimated(key, error);
 }
 
 Actions SessionTable::on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size) {

@@ -41,7 +41,8 @@ class SessionTable {
   /// Whether the frame still belongs to a living epoch; others are dropped by whoever holds them.
   bool expects(const FrameKey& key) const;
   void on_frame_rendered(const FrameKey& key, Nanoseconds render);
-  void on_error_estimated(const FrameKey& key, double rmse);
+  /// Governor::estimated_rmse() of its session.
+  std::optional<double> on_error_estimated(const FrameKey& key, const SpotError& error);
   Actions on_frame_ready(const FrameKey& key, ServerTime now, const EncodedSize& size = {});
   void on_frame_abandoned(const FrameKey& key);
   /// The server ends: a Bye to everybody, and nobody is left.

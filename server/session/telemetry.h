@@ -30,7 +30,7 @@ struct Telemetry {
   double newest_scale = 1.0;           ///< of the governor, for the last frame rendered
   double newest_quality = 10.0;        ///< 0..10, where it was on the kernel's ladder
   double measured_rmse = 0.0;          ///< of that place, when the ladder was made; 0: never
-  double estimated_rmse = 0.0;         ///< of the last frame that was judged; 0: none was
+  double estimated_rmse = 0.0;         ///< of frames now, by those judged lately; 0: none was
   std::vector<StageTimes> recent;      ///< oldest first, at most 64 frames
   std::vector<double> recent_send_ms;  ///< from hand-over to last byte, oldest first, at most 64
   std::vector<SessionState> now;       ///< the sessions alive

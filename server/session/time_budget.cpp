@@ -13,9 +13,8 @@ namespace {
 constexpr double kTooSlow = 1.05, kTooFast = 0.92, kAim = 0.98;
 /// Beyond these something has changed: then it falls at once, and rises in strides.
 constexpr double kFarTooSlow = 1.25, kFarTooFast = 0.6;
-constexpr double kMostRise = 1.5;    ///< of the cost, in one change
-constexpr double kPercentile = 0.9;  ///< of frame times that is held
-constexpr std::size_t kRemembered = 40, kEnough = 12, kEnoughToFall = 4;
+constexpr double kMostRise = 1.5;  ///< of the cost, in one change
+constexpr std::size_t kRemembered = 40, kEnough = 12, kEnoughToFall = 4, kJump = 7;
 constexpr Nanoseconds kRest = std::chrono::seconds{1}, kLongestPatience = std::chrono::seconds{32};
 /// Where even the quickest of the first few frames takes so much longer, no more need be seen.
 constexpr double kHopeless = 3.0;
@@ -25,6 +24,13 @@ constexpr double kFirstQuality = 2.0;
 constexpr Nanoseconds kProof = std::chrono::seconds{4};
 constexpr double kTenths = 10.0;
 
+/// The lower one of two in the middle. Not empty.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
 }  // namespace
 
 TimeBudget::TimeBudget(std::optional<Nanoseconds> target,
@@ -32,6 +38,7 @@ TimeBudget::TimeBudget(std::optional<Nanoseconds> target,
     : target_(target),
       ladder_(ladder != nullptr ? std::move(ladder)
                                 : std::make_shared<const QualityLadder>(QualityLadder::of_scale())),
+      costs_(ladder_->steps().size()),
       quality_(target ? kFirstQuality : kBestQuality),
       patience_(kRest) {}
 
@@ -45,6 +52,16 @@ void TimeBudget::set_limits(const Limits& limits) {
 void TimeBudget::on_frame(Nanoseconds render) {
   frames_ms_.push_back(units::to_ms(render));
   if (frames_ms_.size() > kRemembered) frames_ms_.pop_front();
+  if (has_jumped()) frames_ms_.erase(frames_ms_.begin(), frames_ms_.end() - kJump);
+}
+
+/// Whether the newest frames are all far from those before: then only they tell what is now.
+bool TimeBudget::has_jumped() const {
+  if (frames_ms_.size() <= kJump) return false;
+  const auto newest = frames_ms_.end() - kJump;
+  const double before = median({frames_ms_.begin(), newest});
+  const auto [least, most] = std::minmax_element(newest, frames_ms_.end());
+  return *least > kFarTooSlow * before || *most < kFarTooFast * before;
 }
 
 std::optional<double> TimeBudget::load() const {
@@ -53,24 +70,33 @@ std::optional<double> TimeBudget::load() const {
     const double quickest = *std::ranges::min_element(frames_ms_) / units::to_ms(*target_);
     return quickest > kHopeless ? std::optional(quickest) : std::nullopt;
   }
-  std::vector<double> sorted(frames_ms_.begin(), frames_ms_.end());
-  std::ranges::sort(sorted);
-  // One slow frame among few is no percentile: take the middle until there are enough.
-  const double share = sorted.size() < kEnough ? 0.5 : kPercentile;
-  const double at = share * static_cast<double>(sorted.size() - 1);
-  return sorted[static_cast<std::size_t>(std::lround(at))] / units::to_ms(*target_);
+  return median({frames_ms_.begin(), frames_ms_.end()}) / units::to_ms(*target_);
 }
 
-double TimeBudget::quality_of_cost(double cost) const {
+double TimeBudget::quality_of_time(double times, double most_rise, ServerTime now) const {
+  const QualityPoint here = ladder_->at(quality_);
   double best = kLeastQuality;
-  for (double tenth = 0.0; tenth <= kTenths * kBestQuality; tenth += 1.0)
-    if (ladder_->at(tenth / kTenths).cost <= cost) best = tenth / kTenths;
+  for (double tenth = 0.0; tenth <= kTenths * kBestQuality; tenth += 1.0) {
+    const QualityPoint there = ladder_->at(tenth / kTenths);
+    if (there.cost <= here.cost * most_rise &&
+        there.cost * costs_.ratio(here.step, there.step, now) <= here.cost * times)
+      best = there.quality;
+  }
   return best;
 }
 
-void TimeBudget::change_to(double quality, ServerTime now) {
+void TimeBudget::learn(double load, ServerTime now) {
+  if (!foretold_ || frames_ms_.size() < kEnoughToFall) return;
+  costs_.learn(foretold_->from, ladder_->at(quality_).step, load / foretold_->load, now);
+  foretold_.reset();
+}
+
+void TimeBudget::change_to(double quality, double load, ServerTime now) {
   const double next = std::clamp(quality, limits_.least, limits_.most);
   if (next == quality_) return;
+  const QualityPoint from = ladder_->at(quality_), to = ladder_->at(next);
+  foretold_.reset();
+  if (from.step != to.step) foretold_ = {from.step, load * to.cost / from.cost};
   quality_ = next;
   frames_ms_.clear();
   is_new_ = false;
@@ -78,29 +104,32 @@ void TimeBudget::change_to(double quality, ServerTime now) {
 }
 
 void TimeBudget::fall(double load, ServerTime now) {
-  const bool is_far = load > kFarTooSlow;
-  if (!is_far && changed_ && now - *changed_ < kRest) return;
+  // Few frames can have been kept from their time by chance: then each must be too slow.
+  const bool is_far = load > kFarTooSlow &&
+                      (frames_ms_.size() >= kEnough || *std::ranges::min_element(frames_ms_) >
+                                                           kFarTooSlow * units::to_ms(*target_));
+  const bool is_proving = risen_ && now - *risen_ < kRest && load < kHopeless;
+  if ((!is_far || is_proving) && changed_ && now - *changed_ < kRest) return;
   if (risen_ && now - *risen_ < kProof && !is_far)
     patience_ = std::min(2 * patience_, kLongestPatience);
-  const double fits = quality_of_cost(ladder_->at(quality_).cost * kAim / load);
-  change_to(std::min(fits, quality_ - 1.0 / kTenths), now);
+  change_to(std::min(quality_of_time(kAim / load, 1.0, now), quality_ - 1.0 / kTenths), load, now);
 }
 
 void TimeBudget::rise(double load, ServerTime now) {
   const bool is_far = load < kFarTooFast;
   if (frames_ms_.size() < (is_new_ ? kEnoughToFall : kEnough)) return;
   if (changed_ && now - *changed_ < (is_far ? kRest : std::max(kRest, patience_))) return;
-  const double fits = quality_of_cost(ladder_->at(quality_).cost *
-                                      (is_new_ ? kAim / load : std::min(kAim / load, kMostRise)));
+  const double fits = quality_of_time(kAim / load, is_new_ ? kAim / load : kMostRise, now);
   if (fits <= quality_) return;
   if (is_far) patience_ = kRest;
   risen_ = now;
-  change_to(fits, now);
+  change_to(fits, load, now);
 }
 
 QualityPoint TimeBudget::plan(ServerTime now) {
   if (!target_) return ladder_->at(limits_.most);
   if (const auto now_load = load()) {
+    learn(*now_load, now);
     if (*now_load > kTooSlow)
       fall(*now_load, now);
     else if (*now_load < kTooFast)

@@ -93,7 +93,7 @@ Fields fields_of(const Wanted& wanted, const TradeoffRow& row, std::uint64_t sce
           {"gp_psnr_db", row.gp_psnr_db / row.frames},
           {"flicker_t1", row.flicker},
           {"reference_se", std::max(row.standard_error(e.f10), row.standard_error(e.seen))},
-          {"half_difference", row.half_difference},
+          {"rmse_estimated", row.rmse_estimated},
           {"cells", row.cells},
           {"uniform", is_uniform(*wanted.kernel, wanted.config)},
           {"scene_hash", std::string(hash)},

@@ -27,7 +27,7 @@ bool may_be_a_step(const std::string& config) {
 }
 
 struct Sums {
-  double cost = 0.0, error = 0.0, flicker = 0.0, ratio = 0.0;  ///< of logarithms
+  double cost = 0.0, error = 0.0, flicker = 0.0;  ///< of logarithms
   std::set<std::string> scenes;
 };
 
@@ -66,13 +66,12 @@ std::vector<LadderStep> ladder_steps(std::span<const Fields> rows) {
   for (const Fields& row : rows) {
     scenes.insert(text_in(row, "scene"));
     const std::string config = text_in(row, "config");
-    const double difference = number_in(row, "half_difference"), error = number_in(row, "rmse_ew");
-    if (!may_be_a_step(config) || !(difference > 0.0) || !(error > 0.0)) continue;
+    const double error = number_in(row, "rmse_ew");
+    if (!may_be_a_step(config) || !(error > 0.0)) continue;
     Sums& sums = configs[config];
     sums.cost += std::log(number_in(row, "cpu_ms"));
     sums.error += std::log(error);
     sums.flicker += std::log(std::max(number_in(row, "flicker_t1"), kLeastFlicker));
-    sums.ratio += std::log(error / difference);
     sums.scenes.insert(text_in(row, "scene"));
   }
   std::vector<LadderStep> all;
@@ -80,8 +79,7 @@ std::vector<LadderStep> ladder_steps(std::span<const Fields> rows) {
   for (const auto& [config, sums] : configs) {
     if (sums.scenes != scenes) continue;
     const auto n = static_cast<double>(scenes.size());
-    all.push_back(
-        {config, std::exp(sums.cost / n), std::exp(sums.error / n), std::exp(sums.ratio / n)});
+    all.push_back({config, std::exp(sums.cost / n), std::exp(sums.error / n)});
     points.push_back({all.back().cost_ms, std::hypot(all.back().rmse, std::exp(sums.flicker / n))});
   }
   std::vector<LadderStep> steps;
@@ -115,7 +113,7 @@ EstimateCheck check_estimates(std::span<const Fields> rows, const std::string& s
     for (const Fields& row : here) {
       if (text_in(row, "config") != step.config) continue;
       truth.push_back(number_in(row, "rmse_ew"));
-      estimates.push_back(step.per_half_difference * number_in(row, "half_difference"));
+      estimates.push_back(number_in(row, "rmse_estimated"));
       const double ratio = estimates.back() / truth.back();
       constexpr double kWithin = 0.3;
       check.share_within_30 += std::abs(ratio - 1.0) <= kWithin ? 1.0 : 0.0;
@@ -138,15 +136,13 @@ Result<void> write_ladder(const std::string& folder, const std::string& kernel,
   const double cheapest = steps.front().cost_ms, dearest = steps.back().cost_ms;
   std::ostringstream text;
   text.precision(4);
-  text
-      << "# Quality ladder of kernel " << kernel
-      << ": what no other configuration beats in both time and what is seen\n# "
-      << "(error and flicker together).\n# " << command << "\n"
-      << "# quality: 0 to 10, the logarithm of cost; scale: of the periphery's resolution;\n"
-      << "# cost: of a frame over the dearest step's; rmse: display-linear, as the eye weighs it;\n"
-      << "# rmse_per_difference: over the difference of two half-sample pictures. Means over the "
-         "scenes.\n"
-      << "kernel = \"" << kernel << "\"\nscenes = [" << scenes_of(rows) << "]\n";
+  text << "# Quality ladder of kernel " << kernel
+       << ": what no other configuration beats in both time and what is seen\n# "
+       << "(error and flicker together).\n# " << command << "\n"
+       << "# quality: 0 to 10, the logarithm of cost; scale: of the periphery's resolution;\n"
+       << "# cost: of a frame over the dearest step's; rmse: display-linear, as the eye weighs it. "
+          "Means over\n# the scenes.\n"
+       << "kernel = \"" << kernel << "\"\nscenes = [" << scenes_of(rows) << "]\n";
   for (const LadderStep& step : steps) {
     auto settings = parse_frame_settings(step.config);
     if (!settings) return base::forward(settings);
@@ -155,8 +151,7 @@ Result<void> write_ladder(const std::string& folder, const std::string& kernel,
                        std::log(dearest / cheapest)) /
                 1e3
          << "\nscale = " << settings->scale << "\nknobs = \"" << kernels::text_of(settings->knobs)
-         << "\"\ncost = " << step.cost_ms / dearest << "\nrmse = " << step.rmse
-         << "\nrmse_per_difference = " << step.per_half_difference << "\n";
+         << "\"\ncost = " << step.cost_ms / dearest << "\nrmse = " << step.rmse << "\n";
   }
   std::error_code ignored;  // a folder that cannot be made shows when it is written to
   std::filesystem::create_directories(folder, ignored);

@@ -14,15 +14,14 @@ namespace macula::bench {
 
 struct LadderStep {
   std::string config;
-  double cost_ms = 0.0;              ///< geometric mean over the scenes, like the rest
-  double rmse = 0.0;                 ///< rmse_ew
-  double per_half_difference = 0.0;  ///< rmse over half_difference
+  double cost_ms = 0.0;  ///< geometric mean over the scenes, like the rest
+  double rmse = 0.0;     ///< rmse_ew
 };
 /// Of one kernel's rows, cheapest first; configurations that lack a scene are left out.
 std::vector<LadderStep> ladder_steps(std::span<const Fields> rows);
 
-/// How well a ladder made from all other scenes tells the errors of this one's steps, from nothing
-/// but their two half-sample pictures.
+/// How well a server would know the errors of this scene's frames, at the steps of a ladder made
+/// from all other scenes.
 struct EstimateCheck {
   int steps = 0;
   double kendall_tau = 0.0;      ///< of the steps' order, estimated against true

@@ -31,6 +31,7 @@ constexpr double kRefresh_hz = 72.0;
 constexpr int kUnboundJpegQuality = 85;
 /// A reference's paths: light is sampled once a primary sample, which come in great number.
 constexpr int kReferenceLights = 1;
+constexpr std::uint64_t kJudgements = 24;  ///< that a server's estimate is made of
 const foveation::FovealGridOptions kGrid{.full_rate_radius = Degrees{5.0}};
 
 metrics::GazedView gazed_view(const foveation::Display& display) {
@@ -258,6 +259,19 @@ void TradeoffSetting::judge(const Plane<Rgb>& shown, TradeoffRow& row) const {
   row.gp_psnr_db = metrics::gp_psnr_db(reference_encoded_, encoded, view);
 }
 
+/// As a server would, which judges a few pixels twice a second.
+double TradeoffSetting::estimate(const kernels::View& view, const Plane<Rgb>& shown) const {
+  const auto reference = kernels::make_reference(kernel_.name, {});
+  MACULA_CHECK(reference.has_value(), "every measured kernel has a reference");
+  session::SpotError all;
+  for (std::uint64_t k = 0; k < kJudgements; ++k) {
+    if (const auto some = session::spot_error(**reference, *job_.scene, {view, job_.display, k, 1},
+                                              shown, scheduler_))
+      all += *some;
+  }
+  return std::sqrt(std::max(all.mean_square(), 0.0));
+}
+
 Result<TradeoffRow> TradeoffSetting::measure(const FrameSettings& settings) const {
   const auto kernel = kernels::make_kernel(kernel_.name, {}, settings.knobs);
   if (!kernel) return forward(kernel);
@@ -304,14 +318,9 @@ Result<TradeoffRow> TradeoffSetting::measure(const FrameSettings& settings) cons
   row.cpu_ms = median(cpu_ms);
   row.cells = static_cast<double>(out.views.front().radiance.size());
   row.flicker = meter.rms();
-  row.half_difference = std::numeric_limits<double>::quiet_NaN();
-  if (settings.grid == FrameGrid::Foveal) {
-    row.half_difference = session::half_picture_difference(
-                              **kernel, *job_.scene,
-                              {view, job_.display, settings.scale, settings.model, kGrid, frame, 1},
-                              out.views.front().radiance, scheduler_)
-                              .value_or(row.half_difference);
-  }
+  row.rmse_estimated = std::numeric_limits<double>::quiet_NaN();
+  if (settings.grid == FrameGrid::Foveal)
+    row.rmse_estimated = estimate(view, out.views.front().radiance);
   return row;
 }
 

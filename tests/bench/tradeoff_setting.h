@@ -37,9 +37,9 @@ struct TradeoffRow {
   double ew_psnr_db = 0.0, gp_psnr_db = 0.0;
   /// What the references' own noise does to an error over all frames, as a share of it.
   double standard_error(const CrossError& error) const;
-  double flicker = 0.0;          ///< T1: RMS over time of encoded luma, the head at rest
-  double half_difference = 0.0;  ///< session::half_picture_difference; NaN on uniform grids
-  Plane<Rgb8> shown;             ///< of the last frame
+  double flicker = 0.0;         ///< T1: RMS over time of encoded luma, the head at rest
+  double rmse_estimated = 0.0;  ///< by session::spot_error of the last frame; NaN on uniform grids
+  Plane<Rgb8> shown;            ///< of the last frame
 };
 
 class TradeoffSetting {
@@ -65,6 +65,7 @@ class TradeoffSetting {
   Plane<Rgb> field_half(int finer, int samples) const;
   void take(Halves halves);
   void judge(const Plane<Rgb>& shown, TradeoffRow& row) const;
+  double estimate(const kernels::View& view, const Plane<Rgb>& shown) const;
 
   const TradeoffKernel& kernel_;
   const TradeoffScale scale_;

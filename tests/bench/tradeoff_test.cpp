@@ -20,7 +20,7 @@ Fields row(const std::string& config, double cpu_ms, double error, bool uniform,
           {"rmse_ew", error},
           {"flip_out10", error},
           {"flicker_t1", 1e-3},
-          {"half_difference", 0.5 * error},
+          {"rmse_estimated", 1.2 * error},
           {"uniform", uniform}};
 }
 
@@ -92,7 +92,6 @@ TEST(TradeoffLadder, HasTheStepsThatNoOtherBeatsOverAllScenes) {
   EXPECT_EQ(steps[0].config, "scale=0.3");
   EXPECT_EQ(steps[1].config, "samples=4");
   EXPECT_NEAR(steps[0].cost_ms, 2.0, 1e-9);
-  EXPECT_NEAR(steps[1].per_half_difference, 2.0, 1e-9);
 }
 
 // What flickers is seen though its mean error is small.
@@ -117,7 +116,7 @@ TEST(TradeoffLadder, KendallsTauIsOneForTheSameOrderAndMinusOneForTheReverse) {
   EXPECT_NEAR(kendall_tau(rising, swapped), 4.0 / 6.0, 1e-12);
 }
 
-// Errors are twice the difference on two scenes; on the third they are so too, or three times it.
+// Estimates are a fifth too large; on the third scene so, or by a half.
 TEST(TradeoffLadder, TellsHowWellErrorsOfASceneLeftOutAreEstimated) {
   std::vector<Fields> rows;
   for (const char* scene : {"posts", "atrium", "city"}) {
@@ -129,7 +128,7 @@ TEST(TradeoffLadder, TellsHowWellErrorsOfASceneLeftOutAreEstimated) {
   EXPECT_EQ(check_estimates(rows, "city").kendall_tau, 1.0);
   for (Fields& one : rows)
     if (text_in(one, "scene") == "city")
-      set_field(one, "half_difference", number_in(one, "rmse_ew") / 3.0);
+      set_field(one, "rmse_estimated", number_in(one, "rmse_ew") * 1.5);
   EXPECT_EQ(check_estimates(rows, "city").share_within_30, 0.0);
   EXPECT_NEAR(check_estimates(rows, "city").worst_factor, 1.5, 1e-9);
 }

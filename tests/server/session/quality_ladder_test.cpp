@@ -8,9 +8,7 @@ namespace {
 const kernels::KnobValues kOne{{"samples", "1"}}, kFour{{"samples", "4"}};
 
 std::vector<QualityStep> three_steps() {
-  return {{0.0, 0.25, kOne, 0.04, 0.1, 1.5},
-          {4.0, 1.0, kOne, 0.2, 0.05, 1.2},
-          {10.0, 1.0, kFour, 1.0, 0.02, 1.0}};
+  return {{0.0, 0.25, kOne, 0.04, 0.1}, {4.0, 1.0, kOne, 0.2, 0.05}, {10.0, 1.0, kFour, 1.0, 0.02}};
 }
 
 TEST(QualityLadder, AStepsOwnQualityIsTheStep) {

@@ -15,11 +15,11 @@ namespace {
 /// Five steps over a range of 40 in cost, of which the middle two differ by more than scale.
 std::shared_ptr<const QualityLadder> ladder() {
   const kernels::KnobValues one{{"samples", "1"}}, four{{"samples", "4"}};
-  auto made = QualityLadder::create({{0.0, 0.3, one, 0.025, 0.08, 1.2},
-                                     {3.0, 0.6, one, 0.08, 0.05, 1.1},
-                                     {5.0, 1.0, one, 0.16, 0.04, 1.1},
-                                     {7.0, 0.7, four, 0.33, 0.025, 1.0},
-                                     {10.0, 1.0, four, 1.0, 0.02, 1.0}});
+  auto made = QualityLadder::create({{0.0, 0.3, one, 0.025, 0.08},
+                                     {3.0, 0.6, one, 0.08, 0.05},
+                                     {5.0, 1.0, one, 0.16, 0.04},
+                                     {7.0, 0.7, four, 0.33, 0.025},
+                                     {10.0, 1.0, four, 1.0, 0.02}});
   return std::make_shared<const QualityLadder>(std::move(*made));
 }
 
@@ -29,11 +29,15 @@ struct Machine {
   double exponent = 1.0;  ///< of the ladder's costs
   double noise = 0.04;    ///< of each frame, uniform
   double fixed_ms = 0.0;  ///< that no quality saves
+  double cliff = 1.0;     ///< by which all steps but the floor are dearer than the ladder says
+  double spread = 0.0;    ///< every so many frames something else keeps the machine, to twice
   std::uint64_t frame = 0;
 
-  double operator()(double cost) {
+  double operator()(double cost, std::size_t step = 0) {
     const double u = 2.0 * math::unit_float(math::hash_mix(++frame)) - 1.0;
-    return (fixed_ms + full_ms * std::pow(cost, exponent)) * (1.0 + noise * u);
+    const bool is_kept = math::unit_float(math::hash_mix(frame + 0x517e)) < spread;
+    return (fixed_ms + full_ms * std::pow(cost, exponent)) * (1.0 + noise * u) *
+           (step > 0 ? cliff : 1.0) * (is_kept ? 2.0 : 1.0);
   }
 };
 
@@ -47,7 +51,7 @@ class Play {
       const QualityPoint point = budget_.plan(ServerTime{units::from_ms(now_ms_)});
       if (point.quality != quality_) changes_ms_.push_back(now_ms_);
       quality_ = point.quality;
-      const double ms = machine(point.cost);
+      const double ms = machine(point.cost, point.step);
       frames_ms_.push_back(ms);
       budget_.on_frame(units::from_ms(ms));
       now_ms_ += std::max(ms, 1e3 / 90.0);
@@ -67,6 +71,12 @@ class Play {
                         return at >= begin && at < begin + 1e3;
                       })));
     return most;
+  }
+  /// Of frames longer than this.
+  double share_above(double ms) const {
+    return static_cast<double>(
+               std::ranges::count_if(frames_ms_, [&](double frame) { return frame > ms; })) /
+           static_cast<double>(frames_ms_.size());
   }
   std::size_t frames() const { return frames_ms_.size(); }
   std::size_t changes() const { return changes_ms_.size(); }
@@ -176,6 +186,39 @@ TEST(TimeBudget, FollowsALoadThatComesAndGoesWithinSeconds) {
   EXPECT_EQ(play.quality(), kBestQuality);
 }
 
+// One frame in five is kept by something else to twice its time: the median holds what was asked.
+TEST(TimeBudget, WhatKeepsSingleFramesBuysNoWorsePictureForAll) {
+  Play play{TimeBudget(units::from_ms(12.0), ladder())};
+  Machine machine{.noise = 0.15, .spread = 0.2};
+  play.run(machine, 10.0);
+  play.forget();
+  play.run(machine, 30.0);
+  EXPECT_NEAR(play.percentile(0.5), 12.0, 1.2);
+  EXPECT_LE(play.most_changes_a_second(), 1);
+}
+
+// Above the floor everything takes four times what the ladder says, far beyond the target. Whoever
+// believes the ladder alone climbs there and falls again every few seconds.
+TEST(TimeBudget, LearnsWhereAStepIsFarDearerThanTheLadderSays) {
+  Play play{TimeBudget(units::from_ms(2.0), ladder())};
+  Machine machine{.cliff = 4.0};
+  play.run(machine, 10.0);
+  play.forget();
+  play.run(machine, 120.0);
+  EXPECT_LE(play.share_above(1.25 * 2.0), 0.02);
+  EXPECT_LE(play.changes(), 4U);
+}
+
+TEST(StepCosts, AreForgottenInMinutes) {
+  StepCosts costs(3);
+  const ServerTime then{units::from_s(5.0)};
+  costs.learn(0, 1, 4.0, then);
+  EXPECT_DOUBLE_EQ(costs.ratio(0, 1, then), 4.0);
+  EXPECT_DOUBLE_EQ(costs.ratio(1, 0, then), 0.25);
+  EXPECT_DOUBLE_EQ(costs.ratio(0, 2, then), 1.0);
+  EXPECT_LT(costs.ratio(0, 1, then + units::from_s(300.0)), 1.15);
+}
+
 // A machine on which the first frame takes a second, and the best would take half a minute.
 TEST(TimeBudget, FindsItsPlaceWithinFewFramesWhereTheFirstIsFarTooSlow) {
   Play play{TimeBudget(units::from_ms(100.0), ladder())};
@@ -233,24 +276,30 @@ TEST(Governor, WithAnErrorAloneTakesTheCheapestThatIsGoodEnough) {
   EXPECT_NEAR(plan(governor, 0.0).quality, 3.0, 0.11);
 }
 
-TEST(Governor, JudgesAFrameEveryFiveSeconds) {
+TEST(Governor, JudgesTwoFramesASecond) {
   Governor governor(goals(3.0, std::nullopt));
   int judged = 0;
   for (int frame = 0; frame < 600; ++frame)
-    judged += plan(governor, frame / 60.0).rmse_per_difference > 0.0 ? 1 : 0;
-  EXPECT_EQ(judged, 2);
+    judged += plan(governor, frame / 60.0).judgement > 0 ? 1 : 0;
+  EXPECT_EQ(judged, 20);
+}
+
+/// Of a few places: some have four times the mean, most have nothing.
+SpotError error_of(double rmse, int k) {
+  return {k % 4 == 0 ? 4.0 * rmse * rmse : 0.0, 1.0};
 }
 
 // A scene on which everything is twice as wrong as on the ladder's: 0.05 is asked, 0.025 taken.
 TEST(Governor, RaisesQualityWhereAScenesErrorsAreLargerThanMeasured) {
   Governor governor(goals(std::nullopt, 0.05));
   Quality quality;
-  for (int k = 0; k < 12; ++k) {
-    quality = plan(governor, 5.0 * k);
-    governor.on_error_estimated(2.0 * quality.rmse);
+  for (int k = 0; k < 120; ++k) {
+    quality = plan(governor, 0.5 * k);
+    governor.on_error_estimated(error_of(2.0 * quality.rmse, k));
   }
-  EXPECT_LE(quality.rmse, 0.0252);
-  EXPECT_NEAR(quality.quality, 7.0, 0.2);
+  EXPECT_LE(quality.rmse, 0.029);
+  EXPECT_NEAR(quality.quality, 7.0, 0.6);
+  EXPECT_NEAR(*governor.estimated_rmse(), 0.05, 0.01);
 }
 
 }  // namespace
