@@ -65,7 +65,8 @@ bool TimeBudget::has_jumped() const {
 }
 
 std::optional<double> TimeBudget::load() const {
-  if (frames_ms_.empty()) return std::nullopt;
+  // The very first frame also makes what all others have.
+  if (frames_ms_.size() < (is_new_ ? 2U : 1U)) return std::nullopt;
   if (frames_ms_.size() < kEnoughToFall) {
     const double quickest = *std::ranges::min_element(frames_ms_) / units::to_ms(*target_);
     return quickest > kHopeless ? std::optional(quickest) : std::nullopt;
@@ -96,7 +97,8 @@ void TimeBudget::change_to(double quality, double load, ServerTime now) {
   if (next == quality_) return;
   const QualityPoint from = ladder_->at(quality_), to = ladder_->at(next);
   foretold_.reset();
-  if (from.step != to.step) foretold_ = {from.step, load * to.cost / from.cost};
+  if (from.step != to.step && frames_ms_.size() >= kEnoughToFall)
+    foretold_ = {from.step, load * to.cost / from.cost};
   quality_ = next;
   frames_ms_.clear();
   is_new_ = false;

@@ -223,7 +223,7 @@ TEST(StepCosts, AreForgottenInMinutes) {
 TEST(TimeBudget, FindsItsPlaceWithinFewFramesWhereTheFirstIsFarTooSlow) {
   Play play{TimeBudget(units::from_ms(100.0), ladder())};
   Machine machine{.full_ms = 3e4};
-  play.run(machine, 3.0);
+  play.run(machine, 4.5);
   EXPECT_EQ(play.quality(), kLeastQuality);
   EXPECT_LE(play.frames(), 6U);
 }
