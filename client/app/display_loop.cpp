@@ -44,7 +44,9 @@ display::RunEnd DisplayLoop::run() {
       parts_.screen.skip(*refresh);
       continue;
     }
-    submit(*refresh, *predicted, reproject(frame, predicted->stage_from_head));
+    Showing showing = reproject(frame, predicted->stage_from_head);
+    compare(frame);
+    submit(*refresh, *predicted, std::move(showing));
     sleep_for(config_.delays.idle);
   }
 }
@@ -85,12 +87,28 @@ std::optional<DisplayLoop::Predicted> DisplayLoop::predict(const Refresh& refres
   const Nanoseconds horizon = refresh.display - refresh.begin;
   const ClientTime display = refresh.pose_time + horizon;
   const auto forecast = parts_.poses.forecast(display);
-  const Pose at_display = forecast ? *forecast : predictor_.predict(display);
+  Pose at_display = forecast ? *forecast : predictor_.predict(display);
+  hold(*head, at_display);
   // From here on times are the real clock's: pose time is another line when not in real time.
   const Nanoseconds real_from_pose = refresh.begin - refresh.pose_time;
   head->at += real_from_pose;
   head->gaze_at += real_from_pose;
   return Predicted{*head, at_display, display, real_from_pose};
+}
+
+void DisplayLoop::hold(pose::HeadSample& head, Pose& at_display) {
+  if (parts_.screen.compared_ways()) {
+    head.stage_from_head = at_display = comparison_.hold(at_display);
+  } else if (comparison_.holds()) {
+    comparison_.end();
+  }
+}
+
+void DisplayLoop::compare(const frames::FramePtr& frame) {
+  const auto ways = parts_.screen.compared_ways();
+  const bool held = ways && comparison_.holds();
+  if (held) comparison_.update(frame, parts_.screen.rig(), *ways);
+  parts_.screen.compare(held ? &comparison_ : nullptr);
 }
 
 void DisplayLoop::publish(const pose::HeadSample& head, Nanoseconds until_display) {

@@ -8,6 +8,7 @@
 #include <atomic>
 
 #include "client/app/client_config.h"
+#include "client/app/comparison.h"
 #include "client/app/late_start.h"
 #include "client/app/run_log.h"
 #include "client/app/screen.h"
@@ -58,6 +59,9 @@ class DisplayLoop {
   void publish(const pose::HeadSample& head, Nanoseconds until_display);
   frames::FramePtr fetch(const pose::HeadSample& head, Nanoseconds until_display);
   frames::FramePtr wait_for_news(const pose::HeadSample& head, Nanoseconds until_display);
+  /// Holds the head and the frame where the person wants to compare.
+  void hold(pose::HeadSample& head, Pose& at_display);
+  void compare(const frames::FramePtr& frame);
   Showing reproject(const frames::FramePtr& frame, const Pose& stage_from_head);
   void submit(const Refresh& refresh, const Predicted& predicted, Showing showing);
   void judge(Showing& showing, const Predicted& predicted, ClientTime seen);
@@ -69,6 +73,7 @@ class DisplayLoop {
   pose::Predictor predictor_;
   pose::PredictionDoubt doubt_;
   WarpStage warps_;
+  Comparison comparison_;
   LateStart late_start_;
   frames::FramePtr last_frame_;
   ClientTime last_news_;  // when a new frame was last shown

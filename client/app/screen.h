@@ -2,10 +2,12 @@
 // then show or skip, one at a time. One thread.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
 #include "client/app/client_config.h"
+#include "client/app/comparison.h"
 #include "client/app/refresh_clock.h"
 #include "client/app/run_log.h"
 #include "client/app/warp_stage.h"
@@ -25,6 +27,10 @@ class Screen {
   virtual std::optional<Refresh> next_refresh() = 0;
   /// The eyes at the refresh's display time.
   virtual const EyeRig& rig() const = 0;
+  /// The two ways (Comparison::ways) that the person wants compared; nullopt: none.
+  virtual std::optional<std::array<int, 2>> compared_ways() const { return std::nullopt; }
+  /// The next show() shows these instead; null: its own pictures again. Outlives the show.
+  virtual void compare(Comparison* /*comparison*/) {}
   /// Shows one refresh and where the head's gaze is. Returns when its light is seen.
   virtual ClientTime show(const Refresh& refresh, const WarpedEyes& eyes,
                           const Gaze& head_gaze) = 0;

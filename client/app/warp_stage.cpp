@@ -37,7 +37,7 @@ std::vector<reprojection::WarpReport> WarpStage::warp(const frames::DecodedFrame
                                  : warp_eye(source, at, display, eye);
     draw_vignette(eyes_.colors[eye], settled);
   };
-  if (on_ == On::Gl) {  // its context is this thread's
+  if (on_ == On::Gl || at_once_ == Eyes::OneByOne) {  // a context is this thread's
     for (std::size_t eye = 0; eye < eyes; ++eye) warp_one(eye);
   } else {
     frames::for_each_eye(eyes, warp_one);

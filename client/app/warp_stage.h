@@ -26,8 +26,11 @@ class WarpStage {
   enum class Depth { Leave, Keep };
   /// On::Gl needs the display's OpenGL context to be current whenever it warps, and keeps no depth.
   enum class On { Cpu, Gl };
-  WarpStage(const reprojection::WarpOptions& options, Depth depth, On on = On::Cpu)
-      : options_(options), depth_(depth), on_(on) {}
+  /// OneByOne: on the caller's thread, whose clock then tells what they cost.
+  enum class Eyes { AtOnce, OneByOne };
+  WarpStage(const reprojection::WarpOptions& options, Depth depth, On on = On::Cpu,
+            Eyes at_once = Eyes::AtOnce)
+      : options_(options), depth_(depth), on_(on), at_once_(at_once) {}
 
   /// Reports by eye. Eyes the frame does not have stay as they are. `settled`: 0 to 1, how far the
   /// picture has settled (settle.h).
@@ -58,6 +61,7 @@ class WarpStage {
   const reprojection::WarpOptions options_;
   const Depth depth_;
   On on_;
+  const Eyes at_once_;
   WarpedEyes eyes_;
   struct Hidden {
     std::optional<frames::FrameId> of;

@@ -78,6 +78,13 @@ class WindowScreen final : public ClockedScreen {
             const net::ClientEndpoint& endpoint) override {
     vitals_.note(showing, log, endpoint);
   }
+  std::optional<std::array<int, 2>> compared_ways() const override {
+    const display::Choices& choices = window_->choices();
+    if (choices.comparison == display::ComparisonView::Off) return std::nullopt;
+    const auto& [first, second] = choices.ways;
+    return std::array{first, Comparison::first_of_second_side() + second};
+  }
+  void compare(Comparison* comparison) override { comparison_ = comparison; }
   std::unique_ptr<pose::PoseSource> viewer() override { return std::make_unique<Viewer>(head_); }
 
  private:
@@ -91,6 +98,7 @@ class WindowScreen final : public ClockedScreen {
   const std::filesystem::path screenshots_;
   pose::InteractiveSource head_;
   Vitals vitals_;
+  Comparison* comparison_ = nullptr;  ///< what is shown instead
   Nanoseconds last_poll_ = clock_.now();
 };
 
@@ -136,12 +144,18 @@ pose::Steering WindowScreen::steering(const display::Input& input) {
 void WindowScreen::present(const display::EyePictures& eyes, const Gaze& head_gaze) {
   std::array<const image::Plane<Rgb8>*, 2> pictures{};
   display::Overlay overlay;
+  display::Compared compared;
   const std::size_t count = std::min(eyes.size(), pictures.size());
   for (std::size_t eye = 0; eye < count; ++eye) {
-    pictures[eye] = &eyes[eye];
+    pictures[eye] = comparison_ != nullptr ? &comparison_->pictures(0)[eye] : &eyes[eye];
+    if (comparison_ != nullptr) compared.second[eye] = &comparison_->pictures(1)[eye];
     overlay.marks[eye] = marks_of(rig().eyes[eye].display, rig().gaze_of(eye, head_gaze));
   }
   overlay.dashboard = &vitals_.dashboard();
+  if (comparison_ != nullptr) {
+    compared.lines = comparison_->lines();
+    overlay.compared = &compared;
+  }
   window_->show(std::span(pictures).first(count), overlay);
 }
 

@@ -1,5 +1,6 @@
-// Sixteen display pixels at a time: where they come from in whole vectors, then one after the
-// other, the colours of each in whole vectors, because gathers cost more than they save.
+// Sixteen display pixels at a time: where they come from in whole vectors, then between four cells
+// many pixels at a time, of which a gather brings two neighbouring colours a lane; between sixteen
+// one after the other, the colours of each in whole vectors.
 // Multiplications and additions stay apart: the same bits on every instruction set.
 #include <algorithm>
 #include <cmath>
@@ -291,86 +292,156 @@ using Words = hn::Repartition<std::uint16_t, Floats>;
 using Doubles = hn::Repartition<std::uint32_t, Floats>;
 using W = hn::Vec<Words>;
 
-/// For all channels of the pixels k, k + 1, ... of a vector of weights, a pixel per 16 bytes.
+/// For all channels of every other pixel of half a vector of weights, a pixel per 16 bytes.
 struct PixelWeights {
   W down, up, across;  ///< across: of the left colour in the lower, of the right in the upper half
 };
-HWY_INLINE HWY_ATTR PixelWeights pixel_weights(const Places& places, int first, int k) {
-  const Floats d;
+/// `down` and `across`: a pixel's weight twice in each 32 bits; pixels first, first + 2, ... of
+/// them.
+HWY_INLINE HWY_ATTR PixelWeights pixel_weights(hn::Vec<Doubles> down, hn::Vec<Doubles> across,
+                                               int first) {
   const Doubles d32;
   const Words d16;
-  const auto fixed = [&](const float* beyond) HWY_ATTR {
-    const F scaled = hn::Mul(hn::Load(d, beyond + first), set(65535.0F));
-    const auto word = hn::BitCast(d32, hn::ConvertTo(Ints(), hn::Add(scaled, set(0.5F))));
-    return hn::Or(word, hn::ShiftLeft<16>(word));
-  };
   alignas(64) std::int32_t pixel_of_lane[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) pixel_of_lane[lane] = k + lane / 4;
+  for (int lane = 0; lane < kLanes; ++lane) pixel_of_lane[lane] = first + lane / 4 * 2;
   const auto pixels = hn::SetTableIndices(d32, pixel_of_lane);
-  const W down = hn::BitCast(d16, hn::TableLookupLanes(fixed(places.down), pixels));
-  const W across = hn::BitCast(d16, hn::TableLookupLanes(fixed(places.across), pixels));
+  const W of_lower = hn::BitCast(d16, hn::TableLookupLanes(down, pixels));
+  const W of_right = hn::BitCast(d16, hn::TableLookupLanes(across, pixels));
   alignas(16) static constexpr std::uint16_t kLeft[8] = {65535, 65535, 65535, 65535, 0, 0, 0, 0};
-  return {down, hn::Not(down), hn::Xor(across, hn::LoadDup128(d16, kLeft))};
+  return {of_lower, hn::Not(of_lower), hn::Xor(of_right, hn::LoadDup128(d16, kLeft))};
+}
+HWY_INLINE HWY_ATTR hn::Vec<Doubles> weights_twice(const float* beyond) {
+  const Floats d;
+  const F scaled = hn::Mul(hn::Load(d, beyond), set(65535.0F));
+  const auto word = hn::BitCast(Doubles(), hn::ConvertTo(Ints(), hn::Add(scaled, set(0.5F))));
+  return hn::Or(word, hn::ShiftLeft<16>(word));
 }
 
-/// Of two rows of eight bytes a pixel, two colours each: the mixed colour times 256, in its first
-/// three words.
-HWY_INLINE HWY_ATTR W mixed(const std::uint8_t* rows, const PixelWeights& weights) {
+/// Two neighbouring colours of the upper and of the lower row, a pixel per lane, in its first six
+/// bytes.
+using Pair = hn::Repartition<std::uint64_t, Floats>;
+struct Pairs {
+  hn::Vec<Pair> upper, lower;
+};
+/// The mixed colours, times 256, of the lower (kOdd 0) or the upper (1) of two lanes, in the first
+/// three words of 16 bytes.
+template <int kOdd>
+HWY_INLINE HWY_ATTR W mixed(const Pairs& pairs, const PixelWeights& weights) {
   const hn::Repartition<std::uint8_t, Floats> d8;
   const Words d16;
-  alignas(16) static constexpr std::uint8_t kUpper[16] = {128, 0, 128, 1, 128, 2, 128, 128,
-                                                          128, 3, 128, 4, 128, 5, 128, 128};
-  alignas(16) static constexpr std::uint8_t kLower[16] = {128, 8,  128, 9,  128, 10, 128, 128,
-                                                          128, 11, 128, 12, 128, 13, 128, 128};
-  const auto bytes = hn::Load(d8, rows);
-  const W upper = hn::BitCast(d16, hn::TableLookupBytesOr0(bytes, hn::LoadDup128(d8, kUpper)));
-  const W lower = hn::BitCast(d16, hn::TableLookupBytesOr0(bytes, hn::LoadDup128(d8, kLower)));
-  const W columns = hn::Add(hn::MulHigh(upper, weights.up), hn::MulHigh(lower, weights.down));
+  constexpr std::uint8_t k = 8 * kOdd, kNone = 128;
+  alignas(16) static constexpr std::uint8_t kSpreadPair[16] = {
+      kNone, k,     kNone, k + 1, kNone, k + 2, kNone, kNone,
+      kNone, k + 3, kNone, k + 4, kNone, k + 5, kNone, kNone};
+  const auto spread = [&](hn::Vec<Pair> pair) HWY_ATTR {
+    return hn::BitCast(
+        d16, hn::TableLookupBytesOr0(hn::BitCast(d8, pair), hn::LoadDup128(d8, kSpreadPair)));
+  };
+  const W columns = hn::Add(hn::MulHigh(spread(pairs.upper), weights.up),
+                            hn::MulHigh(spread(pairs.lower), weights.down));
   const W parts = hn::MulHigh(columns, weights.across);
   return hn::Add(parts, hn::ShiftRightBytes<8>(d16, parts));
 }
 
-/// Eight bytes of the upper and of the lower row from a place on.
-HWY_INLINE void copy_two_rows(const image::Plane<Rgb8>& source, int column, int row,
-                              std::uint8_t* to) {
+/// Of half a vector of pixels, `first` of its weights on: two colours of four bytes in the first
+/// half of each 16 bytes.
+HWY_INLINE HWY_ATTR hn::Vec<Pair> colors_of(const Pairs& pairs, hn::Vec<Doubles> down,
+                                            hn::Vec<Doubles> across, int first) {
+  const Pair d64;
+  const Words d16;
+  const hn::Repartition<std::uint8_t, Floats> d8;
+  const W even = mixed<0>(pairs, pixel_weights(down, across, first));
+  const W odd = mixed<1>(pairs, pixel_weights(down, across, first + 1));
+  const auto both = hn::InterleaveLower(d64, hn::BitCast(d64, even), hn::BitCast(d64, odd));
+  const W rounded = hn::ShiftRight<8>(hn::Add(hn::BitCast(d16, both), hn::Set(d16, 128)));
+  alignas(16) static constexpr std::uint8_t kBytes[16] = {0,   2,   4,   128, 8,   10,  12,  128,
+                                                          128, 128, 128, 128, 128, 128, 128, 128};
+  return hn::BitCast(d64,
+                     hn::TableLookupBytesOr0(hn::BitCast(d8, rounded), hn::LoadDup128(d8, kBytes)));
+}
+
+/// Sixteen pixels' pairs of colours, one after the other.
+struct CopiedPairs {
+  alignas(64) std::uint64_t upper[kGroup], lower[kGroup];
+};
+HWY_INLINE void copy_pair(const image::Plane<Rgb8>& source, int column, int row,
+                          std::uint64_t* upper, std::uint64_t* lower) {
   const std::size_t row_bytes = 3 * static_cast<std::size_t>(source.width());
   if (column <= source.width() - 3 && row <= source.height() - 2) {  // eight bytes exist in both
-    const std::uint8_t* upper = bytes_of(source) + static_cast<std::size_t>(row) * row_bytes +
-                                3 * static_cast<std::size_t>(column);
-    std::memcpy(to, upper, 8);
-    std::memcpy(to + 8, upper + row_bytes, 8);
+    const std::uint8_t* from = bytes_of(source) + static_cast<std::size_t>(row) * row_bytes +
+                               3 * static_cast<std::size_t>(column);
+    std::memcpy(upper, from, 8);
+    std::memcpy(lower, from + row_bytes, 8);
     return;
   }
   BorderTaps border;
   const Taps taps = border.around(source, column, row);
-  std::memcpy(to, taps.rows[1] + 3, 8);
-  std::memcpy(to + 8, taps.rows[2] + 3, 8);
+  std::memcpy(upper, taps.rows[1] + 3, 8);
+  std::memcpy(lower, taps.rows[2] + 3, 8);
+}
+
+/// Whether all sixteen pixels' pairs are the first layer's and eight bytes long in both rows.
+HWY_INLINE HWY_ATTR bool may_gather(const Resolving& r, const Places& places) {
+  constexpr std::size_t kMostCells = std::size_t{1} << 29;  // three bytes each: offsets are ints
+  if (places.hidden != 0 || r.source.size() > kMostCells) return false;
+  const Ints di;
+  const I last_column = hn::Set(di, r.source.width() - 3);
+  const I last_row = hn::Set(di, r.source.height() - 2);
+  for (int i = 0; i < kGroup; i += kLanes) {
+    const auto beyond = hn::Or(hn::Gt(hn::Load(di, places.column + i), last_column),
+                               hn::Gt(hn::Load(di, places.row + i), last_row));
+    if (!hn::AllFalse(di, beyond)) return false;
+  }
+  return true;
+}
+HWY_INLINE HWY_ATTR Pairs gather_pairs(const Resolving& r, const Places& places, int first) {
+  const Pair d64;
+  const hn::RebindToSigned<Pair> di64;
+  const hn::Rebind<std::int32_t, Pair> di;
+  const auto column = hn::Load(di, places.column + first);
+  const auto cell =
+      hn::Add(hn::Mul(hn::Load(di, places.row + first), hn::Set(di, r.source.width())), column);
+  const auto offset = hn::PromoteTo(di64, hn::Mul(cell, hn::Set(di, 3)));
+  const std::uint8_t* const upper = bytes_of(r.source);
+  const std::uint8_t* const lower = upper + 3 * static_cast<std::size_t>(r.source.width());
+  return {hn::GatherOffset(d64, reinterpret_cast<const std::uint64_t*>(upper), offset),
+          hn::GatherOffset(d64, reinterpret_cast<const std::uint64_t*>(lower), offset)};
+}
+
+/// Resolves sixteen pixels whose pairs `pairs_from` gives, half a vector from a pixel on.
+template <class PairsFrom>
+HWY_INLINE HWY_ATTR void resolve_pairs(const Places& places, const PairsFrom& pairs_from,
+                                       Colors& colors) {
+  const Pair d64;
+  constexpr int kHalf = kLanes / 2;
+  for (int i = 0; i < kGroup; i += kLanes) {
+    const auto down = weights_twice(places.down + i), across = weights_twice(places.across + i);
+    const auto first = colors_of(pairs_from(i), down, across, 0);
+    const auto second = colors_of(pairs_from(i + kHalf), down, across, kHalf);
+    hn::Store(hn::BitCast(Doubles(), hn::ConcatEven(d64, second, first)), Doubles(),
+              colors.rgb + i);
+  }
 }
 
 HWY_INLINE HWY_ATTR void resolve_bilinear(const Resolving& r, const Places& places,
                                           Colors& colors) {
-  const Words d16;
-  const Doubles d32;
-  alignas(64) std::uint8_t rows[kGroup][16];
+  if (may_gather(r, places)) {
+    resolve_pairs(
+        places, [&](int first) HWY_ATTR { return gather_pairs(r, places, first); }, colors);
+    return;
+  }
+  CopiedPairs copied;
   for (int i = 0; i < kGroup; ++i) {
-    copy_two_rows(places.plane(r, static_cast<std::size_t>(i)), places.column[i], places.row[i],
-                  rows[i]);
+    copy_pair(places.plane(r, static_cast<std::size_t>(i)), places.column[i], places.row[i],
+              copied.upper + i, copied.lower + i);
   }
-  alignas(64) std::uint64_t words[kGroup][2];
-  constexpr int kPixels = kLanes / 4;  // in a vector
-  for (int i = 0; i < kGroup; i += kPixels) {
-    const int first = i / kLanes * kLanes;
-    const W color = mixed(rows[i], pixel_weights(places, first, i - first));
-    const W rounded = hn::ShiftRight<8>(hn::Add(color, hn::Set(d16, 128)));
-    hn::Store(hn::BitCast(hn::Repartition<std::uint64_t, Floats>(), rounded),
-              hn::Repartition<std::uint64_t, Floats>(), words[i]);
-  }
-  static_cast<void>(d32);
-  for (int i = 0; i < kGroup; ++i) {  // three words to three bytes
-    const std::uint64_t w = words[i][0];
-    colors.rgb[i] =
-        static_cast<std::uint32_t>((w & 0xFF) | (w >> 8 & 0xFF00) | (w >> 16 & 0xFF0000));
-  }
+  resolve_pairs(
+      places,
+      [&](int first) HWY_ATTR {
+        const Pair d64;
+        return Pairs{hn::Load(d64, copied.upper + first), hn::Load(d64, copied.lower + first)};
+      },
+      colors);
 }
 
 // ---- both ----

@@ -23,6 +23,9 @@ const std::vector<std::string> kKeys = {
     "g           rings at 5, 10, 25 degrees",
     "o           stage times and figures",
     "p           screenshot",
+    "c           freeze and compare: wipe, flip, difference",
+    "x           swap what is compared",
+    "1 2         another first, second to compare",
     "h           this help",
     "esc         close",
 };
@@ -101,6 +104,16 @@ void on_key(GLFWwindow* window, int key, int /*scancode*/, int action, int /*mod
     case GLFW_KEY_H:
       choices.help = !choices.help;
       return;
+    case GLFW_KEY_C:
+      choices.comparison = next(choices.comparison);
+      return;
+    case GLFW_KEY_X:
+      choices.swapped = !choices.swapped;
+      return;
+    case GLFW_KEY_1:
+    case GLFW_KEY_2:
+      ++choices.ways[key == GLFW_KEY_1 ? 0 : 1];
+      return;
     default:
       return;
   }
@@ -109,6 +122,23 @@ void on_key(GLFWwindow* window, int key, int /*scancode*/, int action, int /*mod
 bool is_chosen(Choices::Eyes eyes, std::size_t eye, std::size_t count) {
   if (eyes == Choices::Eyes::Both || count == 1) return true;
   return (eyes == Choices::Eyes::Left) == (eye == 0);
+}
+
+/// One picture of two, as chosen; `wipe`: where the cursor stands, in widths of the picture.
+image::Plane<Rgb8> composed(const Choices& choices, float wipe, const image::Plane<Rgb8>& first,
+                            const image::Plane<Rgb8>& second) {
+  const auto& left = choices.swapped ? second : first;
+  const auto& right = choices.swapped ? first : second;
+  switch (choices.comparison) {
+    case ComparisonView::Wipe:
+      return wiped(left, right, wipe);
+    case ComparisonView::Difference:
+      return difference_map(left, right);
+    case ComparisonView::Flip:
+    case ComparisonView::Off:
+      break;
+  }
+  return left;
 }
 
 /// Letters grow with the window, so that they can be read on any.
@@ -130,9 +160,15 @@ struct Window::Parts {
   std::vector<PictureSize> pictures;
   std::vector<PictureMarks> marks;
   std::vector<image::Plane<Rgb8>> panels;
+  std::array<image::Plane<Rgb8>, 2> composed;  ///< of a comparison, by eye
+  float wipe = 0.5F;                           ///< where the cursor last was, in widths
 
   std::vector<image::Rect> places() const {
     return place_side_by_side(pictures, framebuffer_size(window.get()));
+  }
+  /// What is compared, where it is and something is chosen; else null.
+  const Compared* compared(const Overlay& overlay) const {
+    return controls.choices.comparison == ComparisonView::Off ? nullptr : overlay.compared;
   }
   void make_panels(const Overlay& overlay);
   void draw();
@@ -143,6 +179,9 @@ void Window::Parts::make_panels(const Overlay& overlay) {
   panels.clear();
   if (controls.choices.dashboard && overlay.dashboard != nullptr)
     panels.push_back(draw_dashboard(*overlay.dashboard, dot_px));
+  if (const Compared* both = compared(overlay)) {
+    panels.push_back(draw_lines(both->lines, dot_px));
+  }
   if (controls.choices.help) panels.push_back(draw_lines(kKeys, dot_px));
 }
 
@@ -181,6 +220,7 @@ Window::~Window() = default;
 void Window::show(std::span<const image::Plane<Rgb8>* const> eyes, const Overlay& overlay) {
   MACULA_CHECK(eyes.size() == 1 || eyes.size() == 2, "a window shows one or two eyes");
   const Choices& choices = parts_->controls.choices;
+  const Compared* const compared = parts_->compared(overlay);
   parts_->eyes.clear(), parts_->pictures.clear(), parts_->marks.clear();
   std::vector<const image::Plane<Rgb8>*> shown;
   for (std::size_t eye = 0; eye < eyes.size(); ++eye) {
@@ -190,6 +230,9 @@ void Window::show(std::span<const image::Plane<Rgb8>* const> eyes, const Overlay
     parts_->marks.push_back(overlay.marks[eye]);
     if (!choices.rings) parts_->marks.back().rings.reset();
     shown.push_back(eyes[eye]);
+    if (compared == nullptr) continue;
+    parts_->composed[eye] = composed(choices, parts_->wipe, *eyes[eye], *compared->second[eye]);
+    shown.back() = &parts_->composed[eye];
   }
   parts_->make_panels(overlay);
   for (const auto& panel : parts_->panels) shown.push_back(&panel);
@@ -202,6 +245,7 @@ Input Window::poll() {
   glfwPollEvents();
   Input input = parts_->controls.input.poll(read_devices(parts_->window.get()), parts_->places());
   if (input.gaze) {
+    parts_->wipe = input.gaze->at.u;
     // The picture under the cursor is that of the eye shown there.
     const auto place = static_cast<std::size_t>(input.gaze->picture);
     if (place < parts_->eyes.size()) input.gaze->picture = static_cast<int>(parts_->eyes[place]);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "client/display/gl/picture_pass.h"
+#include "client/display/window/comparison.h"
 #include "client/display/window/dashboard.h"
 #include "client/display/window/input.h"
 #include "shared/base/result.h"
@@ -30,15 +31,19 @@ struct WindowOptions {
 struct Overlay {
   std::array<PictureMarks, 2> marks;     ///< by eye; eccentricity rings come with key G
   const Dashboard* dashboard = nullptr;  ///< comes with key O; null: there is nothing to tell
+  const Compared* compared = nullptr;    ///< comes with key C; null: nothing to compare with yet
 };
 
 /// What the person chose to see.
 struct Choices {
   enum class Eyes { Both, Left, Right };
-  Eyes eyes = Eyes::Both;  ///< key B takes the next
-  bool rings = false;      ///< key G: eccentricity rings
-  bool dashboard = false;  ///< key O
-  bool help = false;       ///< key H: the keys, on the screen
+  Eyes eyes = Eyes::Both;                           ///< key B takes the next
+  bool rings = false;                               ///< key G: eccentricity rings
+  bool dashboard = false;                           ///< key O
+  bool help = false;                                ///< key H: the keys, on the screen
+  ComparisonView comparison = ComparisonView::Off;  ///< key C takes the next
+  bool swapped = false;       ///< key X: the second picture of a comparison where the first was
+  std::array<int, 2> ways{};  ///< how often keys 1 and 2 asked for another of what is compared
 };
 
 class Window {

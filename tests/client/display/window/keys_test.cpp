@@ -18,6 +18,7 @@ namespace {
 using image::Plane;
 
 constexpr Rgb8 kLeft{200, 40, 40}, kRight{40, 40, 200}, kGround{18, 20, 24};
+constexpr Rgb8 kSecondLeft{190, 45, 40}, kSecondRight{40, 140, 200};
 constexpr const char* kTitle = "Macula keys test";
 
 class KeysTest : public ::testing::Test {
@@ -43,15 +44,27 @@ class KeysTest : public ::testing::Test {
                                                {1.0F, 0.75F},
                                                {0.0F, 0.0F, -1.0F},
                                                {Degrees{5.0}, Degrees{10.0}, Degrees{25.0}}};
+    overlay.compared = &compared_;
     const std::array eyes{&left_, &right_};
     window_->show(eyes, overlay);
   }
   /// Everything that a key can change.
   auto state(const Input& input) const {
     const Choices& choices = window_->choices();
-    return std::tuple{input.right,       input.up,          input.forward,          input.reset,
-                      input.screenshot,  input.gaze_frozen, choices.eyes,           choices.rings,
-                      choices.dashboard, choices.help,      window_->should_close()};
+    return std::tuple{input.right,
+                      input.up,
+                      input.forward,
+                      input.reset,
+                      input.screenshot,
+                      input.gaze_frozen,
+                      choices.eyes,
+                      choices.rings,
+                      choices.dashboard,
+                      choices.help,
+                      window_->should_close(),
+                      choices.comparison,
+                      choices.swapped,
+                      choices.ways};
   }
   /// A stroke, what the window says of it, and then shows. Keys take their way through the X
   /// server, so the window is polled until it has heard of them.
@@ -75,8 +88,19 @@ class KeysTest : public ::testing::Test {
     return input;
   }
   Plane<Rgb8> shown() { return window_->capture(); }
+  /// Below the lines of the comparison, at a share of the left and of the right eye's width.
+  struct Shown {
+    Rgb8 left, right;
+  };
+  Shown shown_at(double share) {
+    const int x = static_cast<int>(share * 320.0);
+    const auto picture = shown();
+    return {picture(x, 200), picture(320 + x, 200)};
+  }
 
   const Plane<Rgb8> left_{320, 240, kLeft}, right_{320, 240, kRight};
+  const Plane<Rgb8> second_left_{320, 240, kSecondLeft}, second_right_{320, 240, kSecondRight};
+  const Compared compared_{{&second_left_, &second_right_}, {"1 mesh", "2 rotation"}};
   Dashboard dashboard_;
   std::unique_ptr<Window> window_;
   std::optional<test::Keyboard> keyboard_;
@@ -124,6 +148,42 @@ TEST_F(KeysTest, BTakesBothEyesThenTheLeftThenTheRight) {
   stroke("b");
   EXPECT_EQ(shown()(10, 120), kLeft);
   EXPECT_EQ(shown()(630, 120), kRight);
+}
+
+TEST_F(KeysTest, CWipesThenFlipsThenShowsTheDifferenceThenEnds) {
+  EXPECT_EQ(shown_at(0.75).left, kLeft);
+  stroke("c");
+  EXPECT_EQ(shown()(2, 2), kGround) << "what is compared is told";
+  EXPECT_EQ(shown_at(0.25).left, kLeft);
+  EXPECT_EQ(shown_at(0.75).left, kSecondLeft) << "nobody has moved the cursor: from the middle on";
+  EXPECT_EQ(shown_at(0.25).right, kRight);
+  EXPECT_EQ(shown_at(0.75).right, kSecondRight);
+  stroke("c");
+  EXPECT_EQ(shown_at(0.75).left, kLeft);
+  stroke("c");
+  EXPECT_EQ(shown_at(0.25).left, (Rgb8{40, 20, 0})) << "four times 10, 5, 0";
+  EXPECT_EQ(shown_at(0.75).right, (Rgb8{0, 255, 0})) << "four times 100 is more than there is";
+  stroke("c");
+  EXPECT_EQ(shown_at(0.75).left, kLeft);
+  EXPECT_EQ(shown()(2, 2), kLeft);
+}
+
+TEST_F(KeysTest, XSwapsWhatIsCompared) {
+  stroke("c");
+  stroke("x");
+  EXPECT_EQ(shown_at(0.25).left, kSecondLeft);
+  EXPECT_EQ(shown_at(0.75).left, kLeft);
+  stroke("c");
+  EXPECT_EQ(shown_at(0.25).right, kSecondRight) << "flipped";
+  stroke("x");
+  EXPECT_EQ(shown_at(0.25).right, kRight);
+}
+
+TEST_F(KeysTest, OneAndTwoAskForAnotherWay) {
+  stroke("1");
+  stroke("2");
+  stroke("2");
+  EXPECT_EQ(window_->choices().ways, (std::array{1, 2}));
 }
 
 TEST_F(KeysTest, PAsksForAScreenshotOnce) {
