@@ -2,7 +2,7 @@
 # Long fuzzing by libFuzzer under both sanitizers: ./deploy/fuzz.sh [--no-install] [--runs N | --seconds N] [TARGET...]
 #   --runs N      inputs for every target (default 1000000)
 #   --seconds N   instead: so long for every target
-#   TARGET        envelope pairing color h264 depth frame_stream trace settings side_file field gltf mesh_file; default all
+#   TARGET        envelope pairing color h264 depth frame_stream trace settings side_file field gltf parcel mesh_file; default all
 # Inputs that led somewhere new are kept in build/fuzz/corpus/TARGET; one that fails lies beside them. A failing
 # input that is mended belongs into tests/fuzz/corpus/TARGET: every test run tries it again.
 source "$(dirname "$0")/common.sh"
@@ -20,7 +20,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 if [ "${#targets[@]}" -eq 0 ]; then
-  targets=(envelope pairing color h264 depth frame_stream trace settings side_file field gltf mesh_file)
+  targets=(envelope pairing color h264 depth frame_stream trace settings side_file field gltf parcel mesh_file)
 fi
 if [ "$install" = yes ]; then "$root/deploy/install.sh" build test fuzz; fi
 
