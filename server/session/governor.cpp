@@ -12,7 +12,7 @@ constexpr Nanoseconds kKeySpan = std::chrono::seconds{2}, kStatelessFor = std::c
 
 /// A frame is judged at a few places so often; so many such judgements tell of all.
 constexpr Nanoseconds kJudgeEvery = std::chrono::milliseconds{500};
-constexpr int kRemembered = 24;
+constexpr int kRemembered = 48;
 /// Estimates below this are by chance.
 constexpr double kLeastSquare = 0.01;
 /// By so much an estimate must move before quality does.

@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "server/kernels/registry.h"
-#include "server/session/error_estimate.h"
 #include "server/session/view_builder.h"
 #include "shared/base/text.h"
 #include "shared/codec/color.h"
@@ -31,7 +30,7 @@ constexpr double kRefresh_hz = 72.0;
 constexpr int kUnboundJpegQuality = 85;
 /// A reference's paths: light is sampled once a primary sample, which come in great number.
 constexpr int kReferenceLights = 1;
-constexpr std::uint64_t kJudgements = 24;  ///< that a server's estimate is made of
+constexpr int kJudgements = 48;  ///< that a server's estimate is made of
 const foveation::FovealGridOptions kGrid{.full_rate_radius = Degrees{5.0}};
 
 metrics::GazedView gazed_view(const foveation::Display& display) {
@@ -259,17 +258,18 @@ void TradeoffSetting::judge(const Plane<Rgb>& shown, TradeoffRow& row) const {
   row.gp_psnr_db = metrics::gp_psnr_db(reference_encoded_, encoded, view);
 }
 
-/// As a server would, which judges a few pixels twice a second.
-double TradeoffSetting::estimate(const kernels::View& view, const Plane<Rgb>& shown) const {
+/// As a server would, which judges a few pixels twice a second: frame k's part of kJudgements.
+session::SpotError TradeoffSetting::estimate(const kernels::View& view, const Plane<Rgb>& shown,
+                                             int k) const {
   const auto reference = kernels::make_reference(kernel_.name, {});
   MACULA_CHECK(reference.has_value(), "every measured kernel has a reference");
   session::SpotError all;
-  for (std::uint64_t k = 0; k < kJudgements; ++k) {
-    if (const auto some = session::spot_error(**reference, *job_.scene, {view, job_.display, k, 1},
-                                              shown, scheduler_))
+  for (int i = k; i < kJudgements; i += scale_.frames) {
+    const session::FrameToJudge frame{view, job_.display, static_cast<std::uint64_t>(i), 1};
+    if (const auto some = session::spot_error(**reference, *job_.scene, frame, shown, scheduler_))
       all += *some;
   }
-  return std::sqrt(std::max(all.mean_square(), 0.0));
+  return all;
 }
 
 Result<TradeoffRow> TradeoffSetting::measure(const FrameSettings& settings) const {
@@ -294,6 +294,7 @@ Result<TradeoffRow> TradeoffSetting::measure(const FrameSettings& settings) cons
 
   TradeoffRow row;
   std::vector<double> cpu_ms;
+  session::SpotError estimated;
   metrics::FlickerMeter meter;
   const Plane<float> nothing(scale_.side_px, scale_.side_px, 0.0F);
   const double pixels = static_cast<double>(scale_.side_px) * scale_.side_px;
@@ -312,15 +313,17 @@ Result<TradeoffRow> TradeoffSetting::measure(const FrameSettings& settings) cons
         on_raster(sent->is_coded ? sent->radiance : out.views.front().radiance, grid, job_.display);
     const Plane<Rgb> shown = sent->is_coded ? raster : display_linear(view.tone, raster);
     judge(shown, row);
+    if (settings.grid == FrameGrid::Foveal)
+      estimated += estimate(view, out.views.front().radiance, k);
     ++row.frames;
     meter.add(nothing, metrics::luma(metrics::unit_from_8bit(row.shown)));
   }
   row.cpu_ms = median(cpu_ms);
   row.cells = static_cast<double>(out.views.front().radiance.size());
   row.flicker = meter.rms();
-  row.rmse_estimated = std::numeric_limits<double>::quiet_NaN();
-  if (settings.grid == FrameGrid::Foveal)
-    row.rmse_estimated = estimate(view, out.views.front().radiance);
+  row.rmse_estimated = settings.grid == FrameGrid::Foveal
+                           ? std::sqrt(std::max(estimated.mean_square(), 0.0))
+                           : std::numeric_limits<double>::quiet_NaN();
   return row;
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include "server/session/error_estimate.h"
 #include "tests/bench/picture_cache.h"
 #include "tests/bench/ray_quality.h"
 #include "tests/bench/still_job.h"
@@ -38,7 +39,7 @@ struct TradeoffRow {
   /// What the references' own noise does to an error over all frames, as a share of it.
   double standard_error(const CrossError& error) const;
   double flicker = 0.0;         ///< T1: RMS over time of encoded luma, the head at rest
-  double rmse_estimated = 0.0;  ///< by session::spot_error of the last frame; NaN on uniform grids
+  double rmse_estimated = 0.0;  ///< by session::spot_error; NaN on uniform grids
   Plane<Rgb8> shown;            ///< of the last frame
 };
 
@@ -65,7 +66,7 @@ class TradeoffSetting {
   Plane<Rgb> field_half(int finer, int samples) const;
   void take(Halves halves);
   void judge(const Plane<Rgb>& shown, TradeoffRow& row) const;
-  double estimate(const kernels::View& view, const Plane<Rgb>& shown) const;
+  session::SpotError estimate(const kernels::View& view, const Plane<Rgb>& shown, int k) const;
 
   const TradeoffKernel& kernel_;
   const TradeoffScale scale_;
