@@ -4,10 +4,6 @@
 // there.
 #pragma once
 
-#include <optional>
-
-#include "server/lights/light_list.h"
-#include "server/scene/scene.h"
 #include "shared/math/vec.h"
 
 namespace macula::lights {
@@ -27,13 +23,5 @@ struct alignas(64) LightBounds {
 
   bool shines_everywhere() const { return half_sine >= 1.0F; }
 };
-
-/// nullopt where there is no such thing: a directional light (it is nowhere), no light at all, or
-/// an intensity or place that is not a number.
-std::optional<LightBounds> bounds_of(const scene::Light& light);
-std::optional<LightBounds> bounds_of(const EmissiveTriangle& light);
-/// The same into `bounds`; false and half written where there is none.
-bool write_bounds(const scene::Light& light, LightBounds& bounds);
-bool write_bounds(const EmissiveTriangle& light, LightBounds& bounds);
 
 }  // namespace macula::lights

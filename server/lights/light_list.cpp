@@ -1,7 +1,6 @@
 #include "server/lights/light_list.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -25,80 +24,6 @@ float spot_falloff(const scene::Light& light, const Vec3& to_light) {
 
 bool is_wanted(scene::StepUse area_lights, bool emits) {
   return area_lights == scene::StepUse::Forced || (area_lights == scene::StepUse::Used && emits);
-}
-
-double weight(const EmissiveTriangle& light, Selection selection) {
-  switch (selection) {
-    case Selection::ByPower:
-      return light.area_m2 * image::luminance(light.mean_emission);
-    case Selection::ByArea:
-      return light.area_m2;
-    case Selection::Alike:
-      return 1.0;
-  }
-  return 0.0;
-}
-
-/// Ends at exactly 1 and never falls. All weights zero (black textures): all alike.
-std::vector<float> cumulative_shares(const std::vector<EmissiveTriangle>& lights,
-                                     Selection selection) {
-  double total = 0.0;
-  for (const EmissiveTriangle& light : lights) total += weight(light, selection);
-  const bool dark = !(total > 0.0) || !std::isfinite(total);
-  std::vector<float> cumulative;
-  cumulative.reserve(lights.size());
-  double sum = 0.0;
-  for (const EmissiveTriangle& light : lights) {
-    sum += dark ? 1.0 / static_cast<double>(lights.size()) : weight(light, selection) / total;
-    cumulative.push_back(static_cast<float>(std::min(sum, 1.0)));
-  }
-  if (!cumulative.empty()) cumulative.back() = 1.0F;
-  return cumulative;
-}
-
-/// A guide entry for every kEntriesPerLight-th of a light on average: fewer than two further steps.
-std::vector<std::int32_t> guide_into(const std::vector<float>& cumulative) {
-  constexpr std::size_t kEntriesPerLight = 2;
-  const std::size_t size = std::bit_ceil(kEntriesPerLight * cumulative.size());
-  std::vector<std::int32_t> guide(size);
-  std::size_t light = 0;
-  for (std::size_t k = 0; k < size; ++k) {
-    const float u = static_cast<float>(k) / static_cast<float>(size);
-    while (light + 1 < cumulative.size() && cumulative[light] <= u) ++light;
-    guide[k] = static_cast<std::int32_t>(light);
-  }
-  return guide;
-}
-
-float* append(float* row, const Vec3& v) {
-  row[0] = v.x, row[1] = v.y, row[2] = v.z;
-  return row + 3;
-}
-
-/// Keeps the table's memory.
-void fill_table(const std::vector<EmissiveTriangle>& lights, const std::vector<float>& cumulative,
-                const shading::MaterialTable& materials, EmitterTable& table) {
-  table.rows.resize(EmitterTable::kRowFloats * lights.size());
-  table.textured.resize(lights.size());
-  table.any_textured = false;
-  float* row = table.rows.data();
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    const EmissiveTriangle& light = lights[i];
-    const bool textured = materials.textured(light.material);
-    row = append(row, Vec3(light.position));
-    row = append(row, light.edge1);
-    row = append(row, light.edge2);
-    row = append(row, light.normal);
-    row = append(row, textured ? Rgb{1.0F} : light.mean_emission);
-    *row++ = light.area_m2;
-    table.textured[i] = textured ? 1U : 0U;
-    table.any_textured = table.any_textured || textured;
-  }
-  table.bounds.clear(), table.guide.clear();
-  if (lights.empty()) return;
-  table.bounds.push_back(0.0F);
-  table.bounds.insert(table.bounds.end(), cumulative.begin(), cumulative.end());
-  table.guide = guide_into(cumulative);
 }
 
 }  // namespace
@@ -125,14 +50,20 @@ LightList::LightList(const scene::Scene& scene, const shading::MaterialTable& ma
 LightList::LightList(const scene::Scene& scene, const scene::ScenePose& pose,
                      const shading::MaterialTable& materials, const Options& options)
     : options_(options) {
-  if (options_.punctual != scene::StepUse::LeftOut) punctual_ = pose.lights;
+  if (options_.punctual != scene::StepUse::LeftOut) {
+    const std::vector<scene::Light> lights = scene::lights_at(scene, pose);
+    punctual_.assign(lights.begin(), lights.end());
+  }
+  for (scene::Index m = 0; m < scene.materials.size(); ++m) {
+    textured_.push_back(materials.textured(m));
+  }
   collect_emissive(scene, pose, materials);
 }
 
 void LightList::move(const scene::Scene& scene, const scene::MovingParts& moving,
                      const scene::ScenePose& pose, const shading::MaterialTable& materials) {
   if (options_.punctual != scene::StepUse::LeftOut) {
-    for (const scene::Index i : moving.lights) punctual_[i] = pose.lights[i];
+    scene::carry_lights(scene, moving.lights, pose, punctual_);
   }
   const bool relights = std::ranges::any_of(
       moving.instances, [&](scene::Index i) { return shines(scene, i, materials); });
@@ -147,17 +78,21 @@ bool LightList::shines(const scene::Scene& scene, scene::Index instance,
 
 void LightList::collect_emissive(const scene::Scene& scene, const scene::ScenePose& pose,
                                  const shading::MaterialTable& materials) {
-  emissive_.clear();
-  degenerate_ = 0;
+  table_.reset();
+  std::size_t most = 0, count = 0;
   for (scene::Index i = 0; i < scene.instances.size(); ++i) {
-    if (shines(scene, i, materials)) add_instance(scene, pose, i, materials);
+    if (!shines(scene, i, materials)) continue;
+    const scene::Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    most += mesh.triangles.size();
+    if (emissive_.size() < most) emissive_.resize(most);
+    count = add_instance(scene, pose, i, materials.mean_emission(mesh.material), count);
   }
-  cumulative_ = cumulative_shares(emissive_, options_.selection);
-  fill_table(emissive_, cumulative_, materials, table_);
+  emissive_.resize(count);
+  degenerate_ = most - count;
 }
 
-void LightList::add_instance(const scene::Scene& scene, const scene::ScenePose& pose,
-                             scene::Index instance, const shading::MaterialTable& materials) {
+std::size_t LightList::add_instance(const scene::Scene& scene, const scene::ScenePose& pose,
+                                    scene::Index instance, const Rgb& emission, std::size_t first) {
   const scene::Index mesh_index = scene.instances[instance].mesh;
   const scene::Mesh& mesh = scene.meshes[mesh_index];
   const std::span<const Vec3> positions = pose.positions(scene, mesh_index);
@@ -173,22 +108,31 @@ void LightList::add_instance(const scene::Scene& scene, const scene::ScenePose& 
     const DVec3 normal = facing * glm::cross(e1, e2);
     const double twice_area = glm::length(normal);
     const float area = static_cast<float>(0.5 * twice_area);
-    if (!(area > 0.0F) || !std::isfinite(area)) {
-      ++degenerate_;
-      continue;
-    }
-    emissive_.push_back({linear * p0 + DVec3(world_from_object[3]), Vec3(e1), Vec3(e2),
-                         Vec3(normal / twice_area), area, materials.mean_emission(mesh.material),
-                         instance, t, mesh.material});
+    if (!(area > 0.0F) || !std::isfinite(area)) continue;
+    emissive_[first++] = {linear * p0 + DVec3(world_from_object[3]),
+                          Vec3(e1),
+                          Vec3(e2),
+                          Vec3(normal / twice_area),
+                          area,
+                          emission,
+                          instance,
+                          t,
+                          mesh.material};
   }
+  return first;
+}
+
+const EmitterTable& LightList::table() const {
+  return table_.get(
+      [this](EmitterTable& table) { fill_table(emissive_, options_.selection, textured_, table); });
 }
 
 AreaSample LightList::sample_area(const Vec2& u) const {
   MACULA_DCHECK(!emissive_.empty(), "there is no emissive triangle to sample");
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, u.x);
-  const auto light = static_cast<std::uint32_t>(found - cumulative_.begin());
-  const float before = light == 0 ? 0.0F : cumulative_[light - 1];
-  const float share = cumulative_[light] - before;
+  const std::vector<float>& bounds = table().bounds;
+  const auto found = std::upper_bound(bounds.begin() + 1, bounds.end() - 1, u.x);
+  const auto light = static_cast<std::uint32_t>(found - bounds.begin() - 1);
+  const float before = bounds[light], share = table().share(light);
   // The rest of u.x inside its interval is uniform again and chooses along the triangle.
   const float rest = share > 0.0F ? std::clamp((u.x - before) / share, 0.0F, 1.0F) : 0.5F;
   const Vec2 barycentric = sampling::uniform_triangle({rest, u.y});
@@ -204,19 +148,19 @@ void LightList::arriving_area(const sampling::Vec2Batch& u, const sampling::Vec3
                               const shading::MaterialTable& materials,
                               AreaArrivalBatch& out) const {
   MACULA_DCHECK(!emissive_.empty() && count <= sampling::kBatch);
-  arriving_from_table(table_, u, points, count, out);
-  if (!table_.any_textured) return;
+  const EmitterTable& drawn = table();
+  arriving_from_table(drawn, u, points, count, out);
+  if (!drawn.any_textured) return;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t light = out.light.at[i];
-    if (table_.textured[light] == 0) continue;
+    if (drawn.textured[light] == 0) continue;
     const Rgb tint = emission(light, out.barycentric[i], surfaces, materials);
     out.arrival.irradiance.set(i, tint * out.arrival.irradiance[i]);
   }
 }
 
 float LightList::pdf_per_m2(std::uint32_t light) const {
-  const float before = light == 0 ? 0.0F : cumulative_[light - 1];
-  return (cumulative_[light] - before) / emissive_[light].area_m2;
+  return table().share(light) / emissive_[light].area_m2;
 }
 
 Rgb LightList::emission(std::uint32_t light, const Vec2& barycentric,

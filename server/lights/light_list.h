@@ -9,11 +9,14 @@
 #include <span>
 #include <vector>
 
+#include "server/lights/emitter_table.h"
 #include "server/sampling/batch.h"
 #include "server/scene/animation.h"
 #include "server/scene/plan.h"
 #include "server/shading/material_table.h"
 #include "server/shading/surface.h"
+#include "shared/base/big_vector.h"
+#include "shared/base/lazy.h"
 
 namespace macula::lights {
 
@@ -74,17 +77,6 @@ struct AreaArrivalBatch {
   sampling::Vec2Batch barycentric;  ///< as in shading::SurfaceTable::at
 };
 
-/// The emissive triangles as vectors gather them: 16 floats a triangle, and a guide into the
-/// cumulative shares (cut-point method, Chen and Asau 1974).
-struct EmitterTable {
-  static constexpr std::size_t kRowFloats = 16;
-  std::vector<float> rows;              ///< position, edge1, edge2, normal, emission, area
-  std::vector<float> bounds;            ///< 0, then the cumulative shares
-  std::vector<std::int32_t> guide;      ///< first triangle that u in [k, k + 1) / size may choose
-  std::vector<std::uint32_t> textured;  ///< 1 where the emission comes from a texture, row has 1
-  bool any_textured = false;
-};
-
 class LightList {
  public:
   LightList(const scene::Scene& scene, const scene::ScenePose& pose,
@@ -93,7 +85,8 @@ class LightList {
   LightList(const scene::Scene& scene, const shading::MaterialTable& materials,
             const Options& options = {});
   /// Takes these lights and what shines of these instances to where another pose of the same scene
-  /// has them; the same list as one made afresh.
+  /// has them; the same list as one made afresh. What emissive triangles are drawn by is made when
+  /// it is first asked for.
   void move(const scene::Scene& scene, const scene::MovingParts& moving,
             const scene::ScenePose& pose, const shading::MaterialTable& materials);
 
@@ -121,15 +114,17 @@ class LightList {
               const shading::MaterialTable& materials) const;
   void collect_emissive(const scene::Scene& scene, const scene::ScenePose& pose,
                         const shading::MaterialTable& materials);
-  void add_instance(const scene::Scene& scene, const scene::ScenePose& pose, scene::Index instance,
-                    const shading::MaterialTable& materials);
+  /// Writes from emissive_[first] on; returns where it has come to.
+  std::size_t add_instance(const scene::Scene& scene, const scene::ScenePose& pose,
+                           scene::Index instance, const Rgb& emission, std::size_t first);
+  const EmitterTable& table() const;
 
   Options options_;
-  std::vector<scene::Light> punctual_;
-  std::vector<EmissiveTriangle> emissive_;
-  std::vector<float> cumulative_;  ///< cumulative_[i]: chance of a triangle <= i; last = 1
-  EmitterTable table_;
+  std::vector<bool> textured_;  ///< by material: whether its emission comes from a texture
+  base::BigVector<scene::Light> punctual_;
+  base::BigVector<EmissiveTriangle> emissive_;
   std::size_t degenerate_ = 0;
+  base::Lazy<EmitterTable> table_;
 };
 
 }  // namespace macula::lights

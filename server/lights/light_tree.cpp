@@ -1,6 +1,7 @@
 #include "server/lights/light_tree.h"
 
 #include <algorithm>
+#include <vector>
 
 #include "server/lights/light_tree_simd.h"
 #include "shared/base/check.h"
@@ -12,30 +13,39 @@ constexpr std::size_t kNodes = NodeBlock::kNodes;
 
 }  // namespace
 
-void LightTree::build(std::span<const LightBounds> lights) {
-  MACULA_CHECK(lights.size() <= (std::size_t{1} << 30), "a node's id has 32 bits");
-  first_leaf_ = std::bit_ceil(static_cast<NodeId>(std::max<std::size_t>(lights.size(), 1)));
+void LightTree::resize(std::size_t lights) {
+  MACULA_CHECK(lights <= (std::size_t{1} << 30), "a node's id has 32 bits");
+  first_leaf_ = std::bit_ceil(static_cast<NodeId>(std::max<std::size_t>(lights, 1)));
   // Block 0 is made from its own nodes and those of block 1: both are always there.
   const std::size_t nodes = std::max<std::size_t>(2 * std::size_t{first_leaf_}, 2 * kNodes);
   blocks_.resize(nodes / kNodes);
-  intensity_.resize(nodes);
-  look_at(lights);
-  const auto order = morton_.sort(centres_);
-  light_of_leaf_.assign(order.begin(), order.end());
+  intensity_.resize(first_leaf_);
+}
+
+void LightTree::build(std::span<const LightBounds> lights) {
+  resize(lights.size());
+  std::vector<Vec4> places;
+  brightest_ = 0.0;
+  oriented_ = Oriented::No;
+  Vec3 low = lights.empty() ? Vec3{0.0F} : lights.front().centre, high = low;
+  for (const LightBounds& light : lights) {
+    brightest_ = std::max(brightest_, light.intensity);
+    if (!light.shines_everywhere()) oriented_ = Oriented::Yes;
+    low = glm::min(low, light.centre), high = glm::max(high, light.centre);
+    places.emplace_back(light.centre, 0.0F);
+  }
+  morton_.sort(places, cube_about(low, high), light_of_leaf_);
   grow_tree({lights, light_of_leaf_, brightest_, oriented_}, {blocks_, intensity_, first_leaf_});
   find_radius();
 }
 
-void LightTree::look_at(std::span<const LightBounds> lights) {
-  brightest_ = 0.0;
-  bool oriented = false;
-  centres_.resize(lights.size());
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    brightest_ = std::max(brightest_, lights[i].intensity);
-    oriented |= !lights[i].shines_everywhere();
-    centres_[i] = lights[i].centre;
-  }
-  oriented_ = oriented ? Oriented::Yes : Oriented::No;
+void LightTree::build(const PlacedLightTable& table) {
+  resize(table.size());
+  brightest_ = table.brightest;
+  oriented_ = table.oriented;
+  morton_.sort(table.places, cube_about(table.low, table.high), light_of_leaf_);
+  grow_tree({table, light_of_leaf_}, {blocks_, intensity_, first_leaf_});
+  find_radius();
 }
 
 void LightTree::find_radius() {
@@ -51,7 +61,8 @@ NodeBounds LightTree::node(NodeId id) const {
   LightBounds bounds;
   bounds.centre = {block.centre_x[lane], block.centre_y[lane], block.centre_z[lane]};
   bounds.half = {block.half_x[lane], block.half_y[lane], block.half_z[lane]};
-  bounds.intensity = intensity_[id] * brightest_;
+  const auto share = static_cast<double>(block.intensity[lane]);
+  bounds.intensity = (is_leaf(id) ? share : intensity_[id]) * brightest_;
   if (oriented_ == Oriented::No) return {bounds, false};
   bounds.axis = {block.axis_x[lane], block.axis_y[lane], block.axis_z[lane]};
   bounds.half_sine = block.half_sine[lane];

@@ -16,6 +16,7 @@
 
 #include "server/lights/light_bounds.h"
 #include "server/lights/morton.h"
+#include "server/lights/placed_light_table.h"
 #include "shared/base/big_vector.h"
 
 namespace macula::lights {
@@ -55,16 +56,15 @@ struct NodeBounds {
   bool empty = true;
 };
 
-/// No: every light shines everywhere, cones need not be asked.
-enum class Oriented { No, Yes };
-
 class LightTree {
  public:
-  LightTree() { build({}); }
+  LightTree() { build(std::span<const LightBounds>{}); }
   explicit LightTree(std::span<const LightBounds> lights) { build(lights); }
 
   /// Replaces the tree; keeps memory. At most 2^30 lights; intensities finite and > 0.
   void build(std::span<const LightBounds> lights);
+  /// The same over a table's lights, each bounded by its row. At most 2^27: rows are gathered.
+  void build(const PlacedLightTable& table);
 
   std::size_t light_count() const { return light_of_leaf_.size(); }
   NodeId first_leaf() const { return first_leaf_; }
@@ -91,13 +91,12 @@ class LightTree {
   float radius_m() const { return radius_m_; }
 
  private:
-  void look_at(std::span<const LightBounds> lights);
+  void resize(std::size_t lights);
   void find_radius();
 
   MortonOrder morton_;
-  base::BigVector<Vec3> centres_;
   base::BigVector<NodeBlock> blocks_;
-  base::BigVector<double> intensity_;  ///< of every node, shares of brightest_
+  base::BigVector<double> intensity_;  ///< of inner nodes, shares of brightest_
   base::BigVector<std::uint32_t> light_of_leaf_;
   NodeId first_leaf_ = 1;
   double brightest_ = 0.0;  ///< largest intensity of a light, W/sr

@@ -185,8 +185,13 @@ HWY_INLINE HWY_ATTR void merge_nodes(const TreeNodes& nodes, std::size_t block, 
   const std::size_t begin = std::max<std::size_t>(first, 1);
   const std::size_t end = std::min<std::size_t>(first + NodeBlock::kNodes, nodes.first_leaf);
   NodeBlock::Row& row = nodes.blocks[block].intensity;
+  const auto intensity_of = [&](std::size_t node) {
+    if (node < nodes.first_leaf) return nodes.intensity[node];
+    const NodeBlock& leaves = nodes.blocks[node / NodeBlock::kNodes];
+    return static_cast<double>(leaves.intensity[node % NodeBlock::kNodes]);
+  };
   for (std::size_t node = end; node-- > begin;) {
-    const double sum = nodes.intensity[2 * node] + nodes.intensity[2 * node + 1];
+    const double sum = intensity_of(2 * node) + intensity_of(2 * node + 1);
     nodes.intensity[node] = sum;
     row[node - first] = sum > 0.0 ? share(sum) : 0.0F;
   }
@@ -212,31 +217,192 @@ HWY_INLINE void put(const LightBounds& light, Oriented oriented, NodeBlock& bloc
   block.cos_emission[lane] = light.cos_emission;
 }
 
-/// Lights lie in memory in another order than along the curve: they are asked for in advance.
-HWY_INLINE void fetch(const LeafLights& leaves, std::size_t place) {
-  if (place >= leaves.order.size()) return;
-  __builtin_prefetch(&leaves.lights[leaves.order[place]]);  // one cache line
+/// The lights of a block's lanes; kNobody: none.
+struct alignas(64) LaneLights {
+  static constexpr std::int32_t kNobody = -1;
+  std::int32_t at[NodeBlock::kNodes];
+};
+/// Leaves' lights lie in memory in another order: those of later blocks are asked for in advance.
+template <class Fetch>
+HWY_INLINE HWY_ATTR LaneLights lights_of(std::span<const std::uint32_t> order, NodeId first_leaf,
+                                         std::size_t block, const Fetch& fetch) {
+  constexpr std::size_t kNodes = NodeBlock::kNodes, kAhead = 3 * kNodes;
+  const std::size_t first = block * kNodes;
+  LaneLights lights;
+  if (first >= first_leaf && first - first_leaf + kNodes <= order.size()) {
+    const hn::CappedTag<std::uint32_t, kNodes> d;
+    const std::size_t place = first - first_leaf;
+    for (std::size_t lane = 0; lane < kNodes; lane += hn::Lanes(d)) {
+      const auto here = hn::LoadU(d, order.data() + place + lane);
+      hn::Store(hn::BitCast(hn::RebindToSigned<decltype(d)>(), here),
+                hn::RebindToSigned<decltype(d)>(), lights.at + lane);
+    }
+    const std::size_t end = std::min(place + kAhead + kNodes, order.size());
+    for (std::size_t k = place + kAhead; k < end; ++k) fetch(order[k]);
+    return lights;
+  }
+  for (std::size_t lane = 0; lane < kNodes; ++lane) {
+    const std::size_t node = first + lane, place = node - first_leaf;
+    const bool any = node >= first_leaf && place < order.size();
+    lights.at[lane] = any ? static_cast<std::int32_t>(order[place]) : LaneLights::kNobody;
+  }
+  return lights;
 }
 
 /// The leaves of a block; what lies past the last light is empty.
-HWY_INLINE void place_leaves(const LeafLights& leaves, const TreeNodes& nodes, std::size_t block) {
-  constexpr std::size_t kAhead = 32;
+HWY_INLINE HWY_ATTR void place_leaves(const BoundLights& leaves, const TreeNodes& nodes,
+                                      std::size_t block) {
   NodeBlock& out = nodes.blocks[block];
-  const std::size_t first = block * NodeBlock::kNodes;
-  const std::size_t begin = std::max<std::size_t>(first, nodes.first_leaf);
-  for (std::size_t node = begin; node < first + NodeBlock::kNodes; ++node) {
-    const std::size_t place = node - nodes.first_leaf, lane = node - first;
-    if (place >= leaves.order.size()) {
-      nodes.intensity[node] = 0.0;
-      out.intensity[lane] = 0.0F;
-      continue;
-    }
-    fetch(leaves, place + kAhead);
-    const LightBounds& light = leaves.lights[leaves.order[place]];
-    nodes.intensity[node] = light.intensity / leaves.brightest;
-    out.intensity[lane] = share(nodes.intensity[node]);
+  const LaneLights lights =
+      lights_of(leaves.order, nodes.first_leaf, block,
+                [&](std::uint32_t light) { __builtin_prefetch(&leaves.lights[light]); });
+  for (std::size_t lane = 0; lane < NodeBlock::kNodes; ++lane) {
+    if (block * NodeBlock::kNodes + lane < nodes.first_leaf) continue;
+    out.intensity[lane] = 0.0F;
+    if (lights.at[lane] == LaneLights::kNobody) continue;
+    const LightBounds& light = leaves.lights[static_cast<std::size_t>(lights.at[lane])];
+    out.intensity[lane] = share(light.intensity / leaves.brightest);
     put(light, leaves.oriented, out, lane);
   }
+}
+
+// ---- leaves by the rows of a table ----
+
+using Ints = hn::Rebind<std::int32_t, Floats>;
+using IntVec = hn::Vec<Ints>;
+
+/// One float of every lane's row.
+struct RowReader {
+  const float* rows;
+  IntVec row;  ///< times the floats of a row
+
+  HWY_INLINE HWY_ATTR FloatVec operator()(std::size_t column) const {
+    return hn::GatherIndex(Floats(), rows + column, row);
+  }
+};
+/// Columns of PlacedLightRow.
+enum Column : std::size_t { kPosition = 0, kEdge1 = 3, kEdge2 = 6, kNormal = 9, kEmission = 12 };
+constexpr std::size_t kArea = 15;
+
+struct LeafKind {
+  Mask triangle;  ///< with two edges
+  Mask lamp;      ///< with cosines of cones
+};
+
+/// Of the point or of the triangle's corners, as receivers work them out.
+HWY_INLINE HWY_ATTR void put_axis(const RowReader& read, const LeafKind& kind, std::size_t axis,
+                                  float* centre, float* half) {
+  const Floats d;
+  const auto zero = hn::Zero(d);
+  const auto from = read(kPosition + axis);
+  auto low = zero, high = zero;
+  if (!hn::AllFalse(d, kind.triangle)) {
+    const auto e1 = hn::IfThenElseZero(kind.triangle, read(kEdge1 + axis));
+    const auto e2 = hn::IfThenElseZero(kind.triangle, read(kEdge2 + axis));
+    low = hn::Min(zero, hn::Min(e1, e2)), high = hn::Max(zero, hn::Max(e1, e2));
+  }
+  const auto middle = hn::MulAdd(hn::Set(d, 0.5F), hn::Add(low, high), from);
+  // Sums of three terms and the middle were rounded: a few halves of a unit in the last place.
+  const auto reach = hn::Max(hn::Abs(hn::Add(from, low)), hn::Abs(hn::Add(from, high)));
+  const auto span = hn::Mul(hn::Set(d, 0.5F), hn::Sub(high, low));
+  const auto padded = hn::MulAdd(hn::Set(d, 0x1p-21F), reach, span);
+  hn::Store(middle, d, centre);
+  hn::Store(hn::IfThenElseZero(hn::Gt(span, zero), padded), d, half);
+}
+
+/// A lamp's cone by the cosines that receivers compare with: all directions where the inner one
+/// is below -1.
+HWY_INLINE HWY_ATTR void put_cone(const RowReader& read, const LeafKind& kind, NodeBlock& out,
+                                  std::size_t lane) {
+  const Floats d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  const auto outer = read(kEdge1), inner = read(kEdge1 + 1);
+  const auto everywhere = hn::Lt(inner, hn::Neg(one));
+  const auto half2 = hn::Mul(hn::Set(d, 0.5F), hn::Sub(one, inner));
+  const auto half_sine = hn::IfThenElse(everywhere, one, hn::Sqrt(hn::Max(half2, zero)));
+  // Between its cones a spot's squared ramp stays below the cosine of the angle to the inner one.
+  const auto between = hn::MulAdd(outer, inner, hn::Mul(cofunction(outer), cofunction(inner)));
+  const auto lamp_ends = hn::IfThenElseZero(hn::Not(everywhere), between);
+  hn::Store(hn::IfThenElseZero(kind.lamp, half_sine), d, out.half_sine + lane);
+  hn::Store(hn::IfThenElseZero(kind.lamp, lamp_ends), d, out.cos_emission + lane);
+  hn::Store(read(kNormal), d, out.axis_x + lane);
+  hn::Store(read(kNormal + 1), d, out.axis_y + lane);
+  hn::Store(read(kNormal + 2), d, out.axis_z + lane);
+}
+
+/// image::luminance.
+HWY_INLINE HWY_ATTR FloatVec luminance_of(const RowReader& read) {
+  const Floats d;
+  const auto red = hn::Set(d, 0.2126F), green = hn::Set(d, 0.7152F), blue = hn::Set(d, 0.0722F);
+  return hn::MulAdd(red, read(kEmission),
+                    hn::MulAdd(green, read(kEmission + 1), hn::Mul(blue, read(kEmission + 2))));
+}
+
+/// Lights that shine everywhere are points: their places say it all.
+HWY_INLINE HWY_ATTR void place_points(const PlacedLightTable& table, const LaneLights& lights,
+                                      NodeBlock& out) {
+  const Floats d;
+  const Ints di;
+  const auto scale = hn::Set(d, 1.0F / table.brightest);
+  const auto least = hn::Set(d, std::numeric_limits<float>::min());
+  for (std::size_t lane = 0; lane < NodeBlock::kNodes; lane += hn::Lanes(d)) {
+    const auto light = hn::Load(di, lights.at + lane);
+    const auto shines = hn::RebindMask(d, hn::Gt(light, hn::Set(di, LaneLights::kNobody)));
+    const RowReader read{&table.places.data()->x, hn::ShiftLeft<2>(hn::Max(light, hn::Zero(di)))};
+    hn::Store(read(0), d, out.centre_x + lane);
+    hn::Store(read(1), d, out.centre_y + lane);
+    hn::Store(read(2), d, out.centre_z + lane);
+    for (float* half : {out.half_x, out.half_y, out.half_z}) {
+      hn::Store(hn::Zero(d), d, half + lane);
+    }
+    hn::Store(hn::IfThenElseZero(shines, hn::Max(hn::Mul(scale, read(3)), least)), d,
+              out.intensity + lane);
+  }
+}
+
+HWY_INLINE HWY_ATTR void place_rows(const PlacedLightTable& table, const LaneLights& lights,
+                                    NodeBlock& out) {
+  const Floats d;
+  const Ints di;
+  const auto scale = hn::Set(d, 1.0F / table.brightest);
+  const auto least = hn::Set(d, std::numeric_limits<float>::min());
+  for (std::size_t lane = 0; lane < NodeBlock::kNodes; lane += hn::Lanes(d)) {
+    const auto light = hn::Load(di, lights.at + lane);
+    const auto shines = hn::RebindMask(d, hn::Gt(light, hn::Set(di, LaneLights::kNobody)));
+    const RowReader read{table.floats(), hn::ShiftLeft<4>(hn::Max(light, hn::Zero(di)))};
+    const auto area = read(kArea);
+    const LeafKind kind{hn::Gt(area, hn::Zero(d)), hn::Eq(area, hn::Zero(d))};
+    put_axis(read, kind, 0, out.centre_x + lane, out.half_x + lane);
+    put_axis(read, kind, 1, out.centre_y + lane, out.half_y + lane);
+    put_axis(read, kind, 2, out.centre_z + lane, out.half_z + lane);
+    put_cone(read, kind, out, lane);
+    const auto emitted = luminance_of(read);
+    const auto intensity = hn::IfThenElse(kind.triangle, hn::Mul(area, emitted), emitted);
+    hn::Store(hn::IfThenElseZero(shines, hn::Max(hn::Mul(scale, intensity), least)), d,
+              out.intensity + lane);
+  }
+}
+
+/// Lanes before the first leaf are parents, made from these.
+HWY_INLINE HWY_ATTR void place_leaves(const TableLights& leaves, const TreeNodes& nodes,
+                                      std::size_t block) {
+  const PlacedLightTable& table = leaves.table;
+  NodeBlock& out = nodes.blocks[block];
+  if (leaves.order.empty()) {
+    std::ranges::fill(out.intensity, 0.0F);
+    return;
+  }
+  if (table.oriented == Oriented::No) {
+    place_points(table,
+                 lights_of(leaves.order, nodes.first_leaf, block,
+                           [&](std::uint32_t light) { __builtin_prefetch(&table.places[light]); }),
+                 out);
+    return;
+  }
+  place_rows(table,
+             lights_of(leaves.order, nodes.first_leaf, block,
+                       [&](std::uint32_t light) { __builtin_prefetch(&table.rows[light]); }),
+             out);
 }
 
 /// A block's children are blocks 2 k and 2 k + 1: it is made when the second of them is.
@@ -244,19 +410,26 @@ HWY_INLINE HWY_ATTR void merge_above(const TreeNodes& nodes, std::size_t block, 
   while (block % 2 == 1 && block > 1) merge_nodes(nodes, block /= 2, oriented);
 }
 
-HWY_ATTR void grow_vectors(const LeafLights& leaves, const TreeNodes& nodes) {
+template <class Leaves>
+HWY_INLINE HWY_ATTR void grow(const Leaves& leaves, Oriented oriented, const TreeNodes& nodes) {
   nodes.blocks[0].intensity[0] = 0.0F;  // no node
   const std::size_t first = nodes.first_leaf / NodeBlock::kNodes, end = nodes.blocks.size();
   // Leaves are written lane by lane; vectors that read them at once would wait for the stores.
   constexpr std::size_t kLag = 2;
   for (std::size_t block = first; block < end; ++block) {
     place_leaves(leaves, nodes, block);
-    if (block >= first + kLag) merge_above(nodes, block - kLag, leaves.oriented);
+    if (block >= first + kLag) merge_above(nodes, block - kLag, oriented);
   }
   for (std::size_t block = std::max(first + kLag, end) - kLag; block < end; ++block) {
-    merge_above(nodes, block, leaves.oriented);
+    merge_above(nodes, block, oriented);
   }
-  merge_nodes(nodes, 0, leaves.oriented);
+  merge_nodes(nodes, 0, oriented);
+}
+HWY_ATTR void grow_from_bounds(const BoundLights& leaves, const TreeNodes& nodes) {
+  grow(leaves, leaves.oriented, nodes);
+}
+HWY_ATTR void grow_from_table(const TableLights& leaves, const TreeNodes& nodes) {
+  grow(leaves, leaves.table.oriented, nodes);
 }
 
 }  // namespace macula::lights::HWY_NAMESPACE
@@ -265,10 +438,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace macula::lights {
 
-HWY_EXPORT(grow_vectors);
+HWY_EXPORT(grow_from_bounds);
+HWY_EXPORT(grow_from_table);
 
-void grow_tree(const LeafLights& leaves, const TreeNodes& nodes) {
-  HWY_DYNAMIC_DISPATCH(grow_vectors)(leaves, nodes);
+void grow_tree(const BoundLights& leaves, const TreeNodes& nodes) {
+  HWY_DYNAMIC_DISPATCH(grow_from_bounds)(leaves, nodes);
+}
+void grow_tree(const TableLights& leaves, const TreeNodes& nodes) {
+  HWY_DYNAMIC_DISPATCH(grow_from_table)(leaves, nodes);
 }
 
 }  // namespace macula::lights

@@ -1,6 +1,7 @@
 // Points along the Morton curve: 63-bit codes, 21 bits an axis, sorted by a radix sort that keeps
-// the order of equal codes, so coincident points follow one another by index. O(n) unless most
-// points share the upper 32 bits; keeps its memory from call to call. One thread at a time.
+// the order of equal codes, so coincident points follow one another by index. Two digits tell
+// nearly all points apart; what they leave equal is sorted run by run, so that it is O(n) unless
+// most points share the upper 32 bits. Keeps its memory from call to call. One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +14,28 @@ namespace macula::lights {
 /// Interleaved bits z y x z y x ... of coordinates in [0, 2^21).
 std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
 
+/// A cube that holds all points. Cubes, not boxes: cells that are long in one direction would make
+/// poor clusters, and an extent of 0 needs no case of its own.
+struct MortonCube {
+  DVec3 corner{0.0};             ///< the lowest one
+  double cells_per_meter = 0.0;  ///< 0 where all points coincide
+};
+/// The least one about the box from `low` to `high`.
+MortonCube cube_about(const Vec3& low, const Vec3& high);
+
 class MortonOrder {
  public:
-  /// order[k]: index of the k-th point along the curve through the cube about all points, which
-  /// must be finite. Valid until the next call. Cubes, not boxes: cells that are long in one
-  /// direction would make poor clusters, and an extent of 0 needs no case of its own.
-  std::span<const std::uint32_t> sort(std::span<const Vec3> points);
+  /// order[k]: index of the k-th point along the curve through the cube, which holds all points;
+  /// their fourth numbers are anything.
+  void sort(std::span<const Vec4> points, const MortonCube& cube,
+            base::BigVector<std::uint32_t>& order);
 
  private:
-  void sort_upper_bits();
-  void sort_runs();
+  void sort_by_digits();
+  void sort_rest();
+  std::size_t sort_run_at(std::size_t k);
 
-  base::BigVector<std::uint64_t> codes_;           ///< by point
   base::BigVector<std::uint64_t> keys_, scratch_;  ///< upper 32 bits of a code, index
-  base::BigVector<std::uint32_t> order_;
 };
 
 }  // namespace macula::lights

@@ -19,12 +19,6 @@ using Words = hn::Rebind<std::uint32_t, Doubles>;
 using Codes = hn::Rebind<std::uint64_t, Doubles>;
 using CodeVec = hn::Vec<Codes>;
 
-/// Points that are taken apart into coordinates at a time.
-constexpr std::size_t kPage = 256;
-struct alignas(64) Coordinates {
-  float x[kPage], y[kPage], z[kPage];
-};
-
 /// Two empty places after every bit.
 HWY_INLINE HWY_ATTR CodeVec spread(CodeVec x) {
   const auto step = [](CodeVec bits, CodeVec moved, std::uint64_t kept)
@@ -36,35 +30,39 @@ HWY_INLINE HWY_ATTR CodeVec spread(CodeVec x) {
   return step(x, hn::ShiftLeft<2>(x), 0x1249249249249249ULL);
 }
 
-HWY_INLINE HWY_ATTR CodeVec cells(const float* coordinates, double corner, double cells_per_meter) {
+HWY_INLINE HWY_ATTR CodeVec cells(hn::Vec<Floats> coordinates, double corner,
+                                  double cells_per_meter) {
   const Doubles d;
-  const auto at =
-      hn::Mul(hn::Sub(hn::PromoteTo(d, hn::Load(Floats(), coordinates)), hn::Set(d, corner)),
-              hn::Set(d, cells_per_meter));
+  const auto at = hn::Mul(hn::Sub(hn::PromoteTo(d, coordinates), hn::Set(d, corner)),
+                          hn::Set(d, cells_per_meter));
   constexpr std::int32_t kLast = (1 << kMortonBits) - 1;
   const auto cell = hn::Min(hn::DemoteTo(Ints(), at), hn::Set(Ints(), kLast));
   return hn::PromoteTo(Codes(), hn::BitCast(Words(), cell));
 }
 
-HWY_ATTR void code_points(std::span<const Vec3> points, const MortonCube& cube,
-                          std::span<std::uint64_t> codes) {
+HWY_ATTR void make_keys(std::span<const Vec4> points, const MortonCube& cube,
+                        std::span<std::uint64_t> keys) {
   const Codes d;
-  Coordinates page{};
-  alignas(64) std::uint64_t made[kPage];
-  for (std::size_t first = 0; first < points.size(); first += kPage) {
-    const std::size_t count = std::min(kPage, points.size() - first);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vec3& point = points[first + i];
-      page.x[i] = point.x, page.y[i] = point.y, page.z[i] = point.z;
-    }
-    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-      const auto x = spread(cells(page.x + i, cube.corner.x, cube.cells_per_meter));
-      const auto y = spread(cells(page.y + i, cube.corner.y, cube.cells_per_meter));
-      const auto z = spread(cells(page.z + i, cube.corner.z, cube.cells_per_meter));
-      hn::Store(hn::Or(x, hn::Or(hn::ShiftLeft<1>(y), hn::ShiftLeft<2>(z))), d, made + i);
-    }
-    std::copy_n(made, count, codes.begin() + static_cast<std::ptrdiff_t>(first));
-  }
+  const std::size_t lanes = hn::Lanes(d);
+  const auto make = [&](const Vec4* from, std::size_t first, std::uint64_t* to) HWY_ATTR {
+    hn::Vec<Floats> x, y, z, other;
+    hn::LoadInterleaved4(Floats(), &from->x, x, y, z, other);
+    const auto cx = spread(cells(x, cube.corner.x, cube.cells_per_meter));
+    const auto cy = spread(cells(y, cube.corner.y, cube.cells_per_meter));
+    const auto cz = spread(cells(z, cube.corner.z, cube.cells_per_meter));
+    const auto code = hn::Or(cx, hn::Or(hn::ShiftLeft<1>(cy), hn::ShiftLeft<2>(cz)));
+    const auto upper = hn::ShiftLeft<32>(hn::ShiftRight<kLowerBits>(code));
+    hn::StoreU(hn::Or(upper, hn::Iota(d, first)), d, to);
+  };
+  std::size_t i = 0;
+  for (; i + lanes <= points.size(); i += lanes) make(points.data() + i, i, keys.data() + i);
+  // The last ones, fewer than a vector.
+  Vec4 rest[hn::MaxLanes(Codes())];
+  std::uint64_t made[hn::MaxLanes(Codes())];
+  std::ranges::fill(rest, Vec4(Vec3(cube.corner), 0.0F));
+  std::ranges::copy(points.subspan(i), rest);
+  make(rest, i, made);
+  std::copy_n(made, points.size() - i, keys.data() + i);
 }
 
 }  // namespace macula::lights::HWY_NAMESPACE
@@ -73,11 +71,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace macula::lights {
 
-HWY_EXPORT(code_points);
+HWY_EXPORT(make_keys);
 
-void morton_codes(std::span<const Vec3> points, const MortonCube& cube,
-                  std::span<std::uint64_t> codes) {
-  HWY_DYNAMIC_DISPATCH(code_points)(points, cube, codes);
+void morton_keys(std::span<const Vec4> points, const MortonCube& cube,
+                 std::span<std::uint64_t> keys) {
+  HWY_DYNAMIC_DISPATCH(make_keys)(points, cube, keys);
 }
 
 }  // namespace macula::lights

@@ -1,23 +1,19 @@
-// Morton codes of many points, in vectors. Internal to the room.
+// Morton codes in vectors. Internal to the room.
 #pragma once
 
-#include <cstdint>
-#include <span>
-
-#include "shared/math/vec.h"
+#include "server/lights/morton.h"
 
 namespace macula::lights {
 
 inline constexpr int kMortonBits = 21;  ///< an axis
+inline constexpr int kKeyBits = 32;     ///< the upper bits of a code that a key holds
+inline constexpr int kLowerBits = 3 * kMortonBits - kKeyBits;
 
-struct MortonCube {
-  DVec3 corner{0.0};             ///< the lowest one
-  double cells_per_meter = 0.0;  ///< 0 where all points coincide
-};
-
-/// codes[i]: morton_code of the cell that points[i] lies in; the far faces belong to the last
-/// cells.
-void morton_codes(std::span<const Vec3> points, const MortonCube& cube,
-                  std::span<std::uint64_t> codes);
+/// keys[i]: the upper kKeyBits of the morton_code of the cell that point i lies in, then i; the far
+/// faces belong to the last cells.
+void morton_keys(std::span<const Vec4> points, const MortonCube& cube,
+                 std::span<std::uint64_t> keys);
+/// The whole code of one point.
+std::uint64_t morton_code(const Vec4& point, const MortonCube& cube);
 
 }  // namespace macula::lights

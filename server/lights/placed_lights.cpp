@@ -1,8 +1,10 @@
 #include "server/lights/placed_lights.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "server/lights/placed_lights_simd.h"
+#include "server/lights/table_writer.h"
 #include "shared/base/check.h"
 
 namespace macula::lights {
@@ -19,54 +21,80 @@ Vec3 cone_cosines(const scene::Light& light) {
           static_cast<float>(std::cos(light.inner_cone.value())), 0.0F};
 }
 
-void write(const Vec3& v, float* to) {
-  to[0] = v.x, to[1] = v.y, to[2] = v.z;
+/// Of a light that a tree can weigh: one without light, or with more than a float holds, is not.
+bool is_usable(float intensity, const DVec3& position) {
+  return intensity > 0.0F && std::isfinite(intensity) && math::is_finite(position);
 }
 
-void write_row(const scene::Light& light, float* row) {
-  write(Vec3(light.position), row);
-  write(cone_cosines(light), row + 3);
-  write(Vec3{0.0F}, row + 6);
-  write(light.direction, row + 9);
-  write(Vec3(light.intensity), row + 12);
-  row[15] = 0.0F;
+bool write_row(const scene::Light& light, PlacedLightRow& row) {
+  if (light.kind == scene::LightKind::Directional ||
+      !is_usable(image::luminance(light.intensity), light.position)) {
+    return false;
+  }
+  row.position = Vec3(light.position);
+  row.edge1 = cone_cosines(light);
+  row.edge2 = Vec3{0.0F};
+  row.normal = light.direction;
+  row.emission = light.intensity;
+  row.area = 0.0F;
+  return true;
 }
 
-void write_row(const EmissiveTriangle& light, float* row) {
-  write(Vec3(light.position), row);
-  write(light.edge1, row + 3);
-  write(light.edge2, row + 6);
-  write(light.normal, row + 9);
-  write(Vec3(light.mean_emission), row + 12);
-  row[15] = light.area_m2;
+bool write_row(const EmissiveTriangle& light, PlacedLightRow& row) {
+  if (!is_usable(light.area_m2 * image::luminance(light.mean_emission), light.position)) {
+    return false;
+  }
+  row.position = Vec3(light.position);
+  row.edge1 = light.edge1;
+  row.edge2 = light.edge2;
+  row.normal = light.normal;
+  row.emission = light.mean_emission;
+  row.area = light.area_m2;
+  return true;
+}
+
+bool write_row(const VirtualPointLight& light, PlacedLightRow& row) {
+  const Vec3 intensity = light.flux / std::numbers::pi_v<float>;
+  if (!is_usable(image::luminance(intensity), light.position)) return false;
+  row.position = Vec3(light.position);
+  row.edge1 = {light.span_m, 0.0F, 0.0F};
+  row.edge2 = Vec3{0.0F};
+  row.normal = light.normal;
+  row.emission = intensity;
+  row.area = PlacedLightRow::kVirtual;
+  return true;
+}
+
+/// lights[i]; those to come are on their way.
+template <class Light>
+const Light& asked_ahead(std::span<const Light> lights, std::size_t i) {
+  constexpr std::size_t kAhead = 16;
+  if (i + kAhead < lights.size()) __builtin_prefetch(&lights[i + kAhead]);
+  return lights[i];
 }
 
 }  // namespace
 
-void PlacedLights::resize(std::size_t count) {
-  bounds_.resize(count);
-  table_.rows.resize(PlacedLightTable::kRowFloats * count);
-  table_.triangle.resize(count);
-}
-
-void PlacedLights::make(const LightList& list) {
+void PlacedLights::make(const LightList& list, std::span<const VirtualPointLight> virtual_lights) {
   const auto punctual = list.punctual();
   const auto emissive = list.emissive();
-  resize(punctual.size() + emissive.size());
+  TableWriter writer(table_, punctual.size() + emissive.size() + virtual_lights.size());
   apart_.clear();
-  std::size_t count = 0;
-  const auto add = [&](const auto& light, std::uint32_t triangle) {
-    if (!write_bounds(light, bounds_[count])) return false;
-    write_row(light, table_.rows.data() + PlacedLightTable::kRowFloats * count);
-    table_.triangle[count++] = triangle;
-    return true;
-  };
-  for (const scene::Light& light : punctual) {
-    if (!add(light, 0) && !is_black(light.intensity)) apart_.push_back(light);
+  for (std::size_t i = 0; i < punctual.size(); ++i) {
+    if (write_row(asked_ahead(punctual, i), writer.next())) {
+      writer.keep(0);
+    } else if (!is_black(punctual[i].intensity)) {
+      apart_.push_back(punctual[i]);
+    }
   }
-  for (std::uint32_t i = 0; i < emissive.size(); ++i) add(emissive[i], i + 1);
-  resize(count);
-  tree_.build(bounds_);
+  for (std::uint32_t i = 0; i < emissive.size(); ++i) {
+    if (write_row(asked_ahead(emissive, i), writer.next())) writer.keep(i + 1);
+  }
+  for (const VirtualPointLight& light : virtual_lights) {
+    if (write_row(light, writer.next())) writer.keep(0);
+  }
+  writer.finish();
+  tree_.build(table_);
 }
 
 void PlacedLights::arriving(const LightDraws& draws, const sampling::Vec2Batch& u,

@@ -1,7 +1,7 @@
-// PlacedLights: the lights of a scene that have a place, punctual ones and emissive triangles as
-// one list, with the tree over them and the light that arrives from any of them. World space,
-// meters, linear Rec.709. Safe from any thread but while it is made; holds copies. Visibility is
-// the caller's.
+// PlacedLights: the lights of a scene that have a place, punctual ones, emissive triangles and
+// virtual ones as one list, with the tree over them and the light that arrives from any of them.
+// World space, meters, linear Rec.709. Safe from any thread but while it is made; holds copies.
+// Visibility is the caller's.
 #pragma once
 
 #include <span>
@@ -9,6 +9,7 @@
 
 #include "server/lights/light_list.h"
 #include "server/lights/light_tree.h"
+#include "server/lights/virtual_point_light.h"
 #include "server/sampling/batch.h"
 
 namespace macula::lights {
@@ -20,25 +21,16 @@ struct LightDraws {
   sampling::FloatBatch inverse_probability;
 };
 
-/// Sixteen floats a light, as vectors gather them: position, edge1, edge2, normal, emission, area.
-/// Area 0 is a punctual light: cosines of its outer and inner cone in place of edge1, the way it
-/// shines as normal, intensity as emission.
-struct PlacedLightTable {
-  static constexpr std::size_t kRowFloats = 16;
-  base::BigVector<float> rows;
-  base::BigVector<std::uint32_t> triangle;  ///< index into LightList::emissive() + 1; 0: punctual
-};
-
 class PlacedLights {
  public:
   /// None.
   PlacedLights() = default;
   /// Black lights are left out.
   explicit PlacedLights(const LightList& list) { make(list); }
-  /// The same in place of what was there; keeps memory.
-  void make(const LightList& list);
+  /// The same in place of what was there, and virtual lights after them; keeps memory.
+  void make(const LightList& list, std::span<const VirtualPointLight> virtual_lights = {});
 
-  std::size_t size() const { return bounds_.size(); }
+  std::size_t size() const { return table_.size(); }
   const LightTree& tree() const { return tree_; }
   /// Punctual lights that are not in the list: directional ones, which are nowhere, and those whose
   /// intensity or place cannot be ordered (not finite, negative). To be asked one by one.
@@ -46,17 +38,14 @@ class PlacedLights {
 
   /// Light arriving at the first `count` points from their drawn lights, at u on a triangle: as
   /// LightList::arriving_area, the irradiance divided by the draw's probability. `out.light` is an
-  /// index into this list, `out.normal` 0 for a light that is a point. `list` is what this was made
-  /// from. Only where size() > 0.
+  /// index into this list, `out.normal` 0 for a lamp. `list` is what this was made from. Only where
+  /// size() > 0.
   void arriving(const LightDraws& draws, const sampling::Vec2Batch& u,
                 const sampling::Vec3Batch& points, std::size_t count, const LightList& list,
                 const shading::SurfaceTable& surfaces, const shading::MaterialTable& materials,
                 AreaArrivalBatch& out) const;
 
  private:
-  void resize(std::size_t count);
-
-  base::BigVector<LightBounds> bounds_;
   PlacedLightTable table_;
   std::vector<scene::Light> apart_;
   LightTree tree_;

@@ -1,4 +1,5 @@
-// lights::arriving and LightList::emission are the oracles of this.
+// lights::arriving, of lamps and of virtual lights, and LightList::emission are the oracles of
+// this.
 #include "server/lights/placed_lights_simd.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -40,7 +41,7 @@ HWY_ATTR void placed_vectors(const PlacedLightTable& table, const LightDraws& dr
   const Floats d;
   const Ints di;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
-  const float* rows = table.rows.data();
+  const float* rows = table.floats();
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto inverse_probability = hn::Load(d, draws.inverse_probability.at + i);
     const auto drawn = hn::Gt(inverse_probability, zero);
@@ -49,7 +50,7 @@ HWY_ATTR void placed_vectors(const PlacedLightTable& table, const LightDraws& dr
                                           hn::BitCast(di, hn::Load(Words(), draws.light.at + i)));
     const auto row = hn::ShiftLeft<4>(light);
     const auto area = hn::GatherIndex(d, rows + 15, row);
-    const auto triangle = hn::Gt(area, zero);
+    const auto triangle = hn::Gt(area, zero), lamp = hn::Eq(area, zero);
     const Barycentric at = on_triangle(triangle, hn::Load(d, us.x + i), hn::Load(d, us.y + i));
     const Vec3s edge1 = gather_three(rows + 3, row), edge2 = gather_three(rows + 6, row);
     const Vec3s normal = gather_three(rows + 9, row);
@@ -58,16 +59,16 @@ HWY_ATTR void placed_vectors(const PlacedLightTable& table, const LightDraws& dr
     const auto distance2 = dot(towards, towards);
     const auto inverse = hn::Div(one, hn::Sqrt(distance2));
     const auto cosine = hn::Neg(hn::Mul(inverse, dot(normal, towards)));
-    const auto of_triangle = hn::Mul(cosine, area);
-    const auto of_point = falloff(cosine, edge1.x, edge1.y);
-    const auto emitted = hn::Mul(hn::IfThenElse(triangle, of_triangle, of_point),
-                                 hn::Div(inverse_probability, distance2));
+    const auto of_surface = hn::IfThenElse(triangle, hn::Mul(cosine, area), cosine);
+    const auto of_lamp = falloff(cosine, edge1.x, edge1.y);
+    const auto emitted =
+        hn::Mul(hn::IfThenElse(lamp, of_lamp, of_surface), hn::Div(inverse_probability, distance2));
     const auto arrives = hn::And(drawn, hn::And(hn::Gt(emitted, zero), hn::Gt(distance2, zero)));
     store(scaled(inverse, towards), out.arrival.to_light, i);
     store(scaled_where(arrives, emitted, gather_three(rows + 12, row)), out.arrival.irradiance, i);
     store(position, out.position, i);
-    store(scaled_where(triangle, one, normal), out.normal, i);
-    // Of a point light only the distance counts: its ray's end is not moved.
+    store(scaled_where(hn::Not(lamp), one, normal), out.normal, i);
+    // Of a lamp only the distance counts: its ray's end is not moved.
     const auto edges2 = hn::Max(dot(edge1, edge1), dot(edge2, edge2));
     hn::Store(hn::Sqrt(hn::Max(distance2, edges2)), d, out.span.at + i);
     hn::Store(at.b1, d, out.barycentric.x + i);

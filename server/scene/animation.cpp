@@ -105,26 +105,28 @@ std::vector<Index> keyed_lights(const sdf::Field& field) {
   });
 }
 
-/// A field's lights and cameras follow its own keyframes, not joints.
-void pose_field(const Scene& scene, SceneTime time, ScenePose& pose) {
-  const double seconds = std::chrono::duration<double>(time.since_start).count();
-  pose.lights = field_lights(*scene.field, seconds);
+double field_seconds(SceneTime time) {
+  return std::chrono::duration<double>(time.since_start).count();
+}
+
+/// A field's cameras follow its own keyframes, not joints.
+void pose_field(const Scene& scene, ScenePose& pose) {
   pose.world_from_view.clear();
-  for (const Camera& camera : field_cameras(*scene.field, seconds))
+  for (const Camera& camera : field_cameras(*scene.field, field_seconds(pose.time)))
     pose.world_from_view.push_back(camera.parent_from_view);
 }
 
-}  // namespace
-
-std::vector<DMat4> joint_transforms(const Scene& scene, SceneTime time) {
-  std::vector<DMat4> world_from_joint;
+void turn_joints(const Scene& scene, ScenePose& pose) {
+  std::vector<DMat4>& world_from_joint = pose.world_from_joint;
+  world_from_joint.clear();
   world_from_joint.reserve(scene.joints.size());
   for (const Joint& joint : scene.joints) {
-    const DMat4 local = parent_from_joint(joint, time);
+    const DMat4 local = parent_from_joint(joint, pose.time);
     world_from_joint.push_back(joint.parent ? world_from_joint[*joint.parent] * local : local);
   }
-  return world_from_joint;
 }
+
+}  // namespace
 
 MovingParts moving_parts(const Scene& scene) {
   const std::vector<bool> moves = joints_that_move(scene);
@@ -155,37 +157,58 @@ std::span<const Vec3> ScenePose::normals(const Scene& scene, Index mesh) const {
 ScenePose pose_at(const Scene& scene, SceneTime time) {
   ScenePose pose;
   pose.time = time;
-  const std::vector<DMat4> world_from_joint = joint_transforms(scene, time);
+  turn_joints(scene, pose);
   const auto place_all = [&](const auto& parts, auto& placed) {
     placed.reserve(parts.size());
-    for (const auto& part : parts) placed.push_back(posed(part, world_from_joint));
+    for (const auto& part : parts) placed.push_back(posed(part, pose.world_from_joint));
   };
   place_all(scene.instances, pose.world_from_object);
-  place_all(scene.lights, pose.lights);
   place_all(scene.cameras, pose.world_from_view);
   pose.shapes.resize(scene.meshes.size());
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const Deformation& deformation = scene.meshes[i].deformation;
     if (!deformation.empty()) reshape(deformation, time, pose.shapes[i]);
   }
-  if (scene.field != nullptr) pose_field(scene, time, pose);
+  if (scene.field != nullptr) pose_field(scene, pose);
   return pose;
 }
 
 void repose(const Scene& scene, const MovingParts& moving, SceneTime time, ScenePose& pose) {
   MACULA_DCHECK(pose.world_from_object.size() == scene.instances.size(), "a pose of this scene");
   pose.time = time;
-  const std::vector<DMat4> world_from_joint = joint_transforms(scene, time);
+  turn_joints(scene, pose);
   for (const Index i : moving.instances)
-    pose.world_from_object[i] = posed(scene.instances[i], world_from_joint);
-  for (const Index i : moving.lights) {
-    // A field's lights have keyframes of their own instead of a joint: pose_field moves them.
-    if (scene.lights[i].joint) carry(scene.lights[i], world_from_joint, pose.lights[i]);
-  }
+    pose.world_from_object[i] = posed(scene.instances[i], pose.world_from_joint);
   for (const Index i : moving.cameras)
-    pose.world_from_view[i] = posed(scene.cameras[i], world_from_joint);
+    pose.world_from_view[i] = posed(scene.cameras[i], pose.world_from_joint);
   for (const Index i : moving.meshes) reshape(scene.meshes[i].deformation, time, pose.shapes[i]);
-  if (moving.field) pose_field(scene, time, pose);
+  if (moving.field) pose_field(scene, pose);
+}
+
+std::vector<Light> lights_at(const Scene& scene, const ScenePose& pose) {
+  if (scene.field != nullptr) return field_lights(*scene.field, field_seconds(pose.time));
+  std::vector<Light> lights;
+  lights.reserve(scene.lights.size());
+  for (const Light& light : scene.lights) lights.push_back(posed(light, pose.world_from_joint));
+  return lights;
+}
+
+void carry_lights(const Scene& scene, std::span<const Index> which, const ScenePose& pose,
+                  std::span<Light> lights) {
+  if (scene.field != nullptr) {  // its lights have keyframes of their own instead of joints
+    const std::vector<Light> now = field_lights(*scene.field, field_seconds(pose.time));
+    for (const Index i : which) lights[i] = now[i];
+    return;
+  }
+  constexpr std::size_t kAhead = 16;  // lights that the processor is told of in advance
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    if (k + kAhead < which.size()) {
+      __builtin_prefetch(&scene.lights[which[k + kAhead]]);
+      __builtin_prefetch(&lights[which[k + kAhead]], 1);
+    }
+    const Light& light = scene.lights[which[k]];
+    if (light.joint) carry(light, pose.world_from_joint, lights[which[k]]);
+  }
 }
 
 std::vector<InstanceMotion> motions_between(const ScenePose& before, const ScenePose& now) {

@@ -21,9 +21,6 @@ DVec3 value_at(const Track<DVec3>& track, double seconds);
 /// A unit quaternion.
 DQuat value_at(const Track<DQuat>& track, double seconds);
 
-/// world_from_joint of every joint.
-std::vector<DMat4> joint_transforms(const Scene& scene, SceneTime time);
-
 /// What a scene's tracks reach, ascending; the rest stays where pose_at first puts it.
 struct MovingParts {
   std::vector<Index> instances;  ///< carried by a joint or of a mesh that changes shape
@@ -44,8 +41,8 @@ struct MeshShape {
 
 struct ScenePose {
   SceneTime time;
+  std::vector<DMat4> world_from_joint;   ///< by joint
   std::vector<DMat4> world_from_object;  ///< by instance
-  std::vector<Light> lights;             ///< in the world, without joints
   std::vector<Pose> world_from_view;     ///< by camera
   std::vector<MeshShape> shapes;         ///< by mesh
 
@@ -56,6 +53,12 @@ struct ScenePose {
 ScenePose pose_at(const Scene& scene, SceneTime time);
 /// Turns any pose of this scene into the one of `time`; touches only what moves.
 void repose(const Scene& scene, const MovingParts& moving, SceneTime time, ScenePose& pose);
+
+/// Every light of the scene where the pose has it: in the world, without joints.
+std::vector<Light> lights_at(const Scene& scene, const ScenePose& pose);
+/// Turns lights_at of any pose of this scene into those of `pose`; touches only those of `which`.
+void carry_lights(const Scene& scene, std::span<const Index> which, const ScenePose& pose,
+                  std::span<Light> lights);
 
 /// How an instance moved between two moments, as a map of world points.
 struct InstanceMotion {

@@ -30,13 +30,20 @@ vpl::Config lamps_of(const SceneFrame& scene, const Config& config, std::uint64_
 }
 
 std::vector<VirtualPointLight> in_morton_order(std::vector<VirtualPointLight> lights) {
-  std::vector<Vec3> positions(lights.size());
-  std::ranges::transform(lights, positions.begin(),
-                         [](const VirtualPointLight& light) { return Vec3(light.position); });
-  lights::MortonOrder order;
+  std::vector<Vec4> positions;
+  scene::Bounds box;
+  for (const VirtualPointLight& light : lights) {
+    positions.emplace_back(Vec3(light.position), 0.0F);
+    box.include(light.position);
+  }
+  base::BigVector<std::uint32_t> order;
+  const lights::MortonCube cube = lights.empty()
+                                      ? lights::MortonCube{}
+                                      : lights::cube_about(Vec3(box.minimum), Vec3(box.maximum));
+  lights::MortonOrder().sort(positions, cube, order);
   std::vector<VirtualPointLight> sorted;
   sorted.reserve(lights.size());
-  for (const std::uint32_t i : order.sort(positions)) sorted.push_back(lights[i]);
+  for (const std::uint32_t i : order) sorted.push_back(lights[i]);
   return sorted;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -109,7 +110,8 @@ Rgb arriving_alone(const Lit& lit, std::uint32_t index, const Vec2& at, const Ve
                    const Vec3& point) {
   std::vector<scene::Light> lamps;
   for (const scene::Light& light : lit.list.punctual()) {
-    if (bounds_of(light)) lamps.push_back(light);
+    const bool placed = light.kind != scene::LightKind::Directional;
+    if (placed && light.intensity != Rgb{0.0F}) lamps.push_back(light);
   }
   if (index < lamps.size()) {
     const auto arrival = arriving(lamps[index], DVec3(point));
@@ -167,6 +169,141 @@ TEST(PlacedLights, ALampAtTheReceiverSendsNothing) {
   AreaArrivalBatch out{};
   lit.placed.arriving(draws, {}, points, 1, lit.list, lit.surfaces, lit.materials, out);
   EXPECT_EQ(out.arrival.irradiance[0], Rgb{0.0F});
+}
+
+// ---- what the tree knows of a single light ----
+
+PlacedLights placed_alone(const scene::Light& light) {
+  scene::Scene scene;
+  scene.lights = {light};
+  return PlacedLights(LightList(scene, scene::pose_at(scene, {}), shading::MaterialTable(scene)));
+}
+/// Of the only light; the root is its leaf.
+LightBounds bounds_of(const PlacedLights& placed) {
+  return placed.tree().node(1).bounds;
+}
+
+TEST(PlacedLightBounds, ASpotNeverExceedsItsConeAndCosine) {
+  for (const double inner : {0.0, 0.2, 0.7, 1.2}) {
+    for (const double outer : {0.3, 0.8, 1.25, 1.57}) {
+      if (outer <= inner) continue;
+      scene::Light spot;
+      spot.kind = scene::LightKind::Spot;
+      spot.inner_cone = Radians{inner}, spot.outer_cone = Radians{outer};
+      const LightBounds bounds = bounds_of(placed_alone(spot));
+      for (double angle = 0.0; angle < 1.6; angle += 0.01) {
+        Receiver receiver;
+        receiver.position = Vec3(DVec3(std::sin(angle), -std::cos(angle), 0.0));
+        receiver.normal = -receiver.position;
+        const auto arrival = arriving(spot, DVec3(receiver.position));
+        const double arrives = arrival ? image::luminance(arrival->irradiance) : 0.0;
+        EXPECT_LE(arrives, test::reaching(bounds, receiver) + 1e-5) << inner << ' ' << angle;
+      }
+    }
+  }
+}
+
+TEST(PlacedLightBounds, APointIsAPointAndShinesEverywhere) {
+  const PlacedLights placed = placed_alone(lamp(scene::LightKind::Point, {1e5, 2.0, 3.0}));
+  const LightBounds bounds = bounds_of(placed);
+  EXPECT_EQ(placed.tree().oriented(), Oriented::No);
+  EXPECT_EQ(bounds.centre, (Vec3{1e5F, 2.0F, 3.0F}));
+  EXPECT_EQ(bounds.half, Vec3{0.0F});
+  EXPECT_TRUE(bounds.shines_everywhere());
+}
+
+TEST(PlacedLightBounds, ATriangleIsAsBrightAsItsAreaTimesItsRadiance) {
+  scene::Scene scene;
+  scene.materials.resize(1);
+  scene.materials[0].emission = Rgb{3.0F};
+  scene::Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {2, 0, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 1, 2}};
+  scene.meshes = {mesh};
+  scene.instances = {{0, glm::translate(DMat4{1.0}, DVec3{1e5, 2.1, 3.3})}};
+  const LightList list(scene, scene::pose_at(scene, {}), shading::MaterialTable(scene));
+  const LightBounds bounds = bounds_of(PlacedLights(list));
+  EXPECT_FLOAT_EQ(static_cast<float>(bounds.intensity), 3.0F);
+  EXPECT_EQ(bounds.axis, (Vec3{0.0F, -1.0F, 0.0F}));
+  EXPECT_EQ(test::cone_of(bounds), 0.0);
+  for (const Vec3& corner : mesh.positions) {
+    const DVec3 there = DVec3(Vec3(DVec3(1e5, 2.1, 3.3))) + DVec3(corner);  // as rows have it
+    const DVec3 away = glm::abs(there - DVec3(bounds.centre)) - DVec3(bounds.half);
+    EXPECT_LE(std::max({away.x, away.y, away.z}), 0.0);
+  }
+}
+
+TEST(PlacedLightBounds, WhatHasNoPlaceOrNoLightHasNone) {
+  EXPECT_EQ(placed_alone(scene::Light{}).size(), 1U);
+  EXPECT_EQ(placed_alone(lamp(scene::LightKind::Directional, {})).size(), 0U);
+  for (const float intensity : {0.0F, -1.0F, std::nanf(""), INFINITY}) {
+    scene::Light light;
+    light.intensity = Rgb{intensity};
+    EXPECT_EQ(placed_alone(light).size(), 0U) << intensity;
+  }
+  scene::Light nowhere;
+  nowhere.position.x = std::nan("");
+  EXPECT_EQ(placed_alone(nowhere).size(), 0U);
+}
+
+// ---- virtual lights among them ----
+
+VirtualPointLight virtual_light(test::Random& random) {
+  VirtualPointLight light;
+  light.position = DVec3(random.in_cube(2.0));
+  light.normal = random.direction();
+  light.span_m = 0.5F + static_cast<float>(random.next());
+  light.flux = {1.0F, 2.0F, static_cast<float>(random.next())};
+  return light;
+}
+
+TEST(PlacedVirtualLights, StandBehindTheOthersAndShineAsEachAlone) {
+  const Lit lit;
+  test::Random random(7);
+  std::vector<VirtualPointLight> lights;
+  for (int i = 0; i < 40; ++i) lights.push_back(virtual_light(random));
+  lights[3].flux = Rgb{0.0F};
+  PlacedLights placed = lit.placed;
+  placed.make(lit.list, lights);
+  ASSERT_EQ(placed.size(), lit.placed.size() + 39);
+  std::erase_if(lights, [](const VirtualPointLight& light) { return light.flux == Rgb{0.0F}; });
+  sampling::Vec3Batch points{};
+  LightDraws draws{};
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    points.set(i, random.in_cube(2.5));
+    draws.light.at[i] = static_cast<std::uint32_t>(lit.placed.size() + i % 39);
+    draws.inverse_probability.at[i] = 3.0F;
+  }
+  AreaArrivalBatch out{};
+  placed.arriving(draws, {}, points, kBatch, lit.list, lit.surfaces, lit.materials, out);
+  int lit_points = 0;
+  for (std::size_t i = 0; i < kBatch; ++i) {
+    const VirtualPointLight& light = lights[i % 39];
+    const auto arrival = arriving(light, DVec3(points[i]));
+    const Rgb wanted = arrival ? 3.0F * arrival->irradiance : Rgb{0.0F};
+    EXPECT_LT(glm::distance(out.arrival.irradiance[i], wanted),
+              1e-4F * glm::length(wanted) + 1e-6F);
+    EXPECT_EQ(out.normal[i], light.normal);
+    EXPECT_EQ(out.position[i], Vec3(light.position));
+    EXPECT_GE(out.span.at[i], light.span_m);
+    lit_points += arrival.has_value();
+  }
+  EXPECT_GT(lit_points, 80);
+}
+
+TEST(PlacedVirtualLights, EachLeafHoldsItsLightAndNoMore) {
+  const Lit lit;
+  test::Random random(8);
+  const std::vector<VirtualPointLight> lights{virtual_light(random)};
+  PlacedLights placed;
+  placed.make(LightList(scene::Scene{}, lit.materials), lights);
+  const LightBounds bounds = bounds_of(placed);
+  EXPECT_EQ(bounds.centre, Vec3(lights[0].position));
+  EXPECT_EQ(bounds.half, Vec3{0.0F});
+  EXPECT_EQ(bounds.axis, lights[0].normal);
+  EXPECT_EQ(test::cone_of(bounds), 0.0);
+  const double flux = image::luminance(lights[0].flux);
+  EXPECT_NEAR(bounds.intensity, flux / std::numbers::pi, 1e-6 * flux);
 }
 
 // ---- what a batch of receivers draws ----

@@ -199,7 +199,7 @@ TEST(GltfAnimation, LightsAndCamerasRideOnMovingNodes) {
   const auto scene = load_scene(folder.write("moving.gltf", json));
   ASSERT_TRUE(scene) << scene.error().message();
   const ScenePose pose = pose_at(**scene, at(1.0));
-  expect_near(pose.lights.at(0).position, {2, 0, 0});
+  expect_near(lights_at(**scene, pose).at(0).position, {2, 0, 0});
   expect_near(pose.world_from_view.at(0).position, {2, 0, 0});
 }
 
