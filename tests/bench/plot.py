@@ -8,6 +8,8 @@ culling: error_over_kept.png, error_over_time.png and equal_time.txt (each basel
 curve at the time that flc, flc_rays and flc_fast took, over theirs).
 lightcuts: error_over_time.png (every method's error in F25 and outside over time), figure_8.png and table_4.txt (error and
 time over alpha, from --alphas); error maps and pictures per alpha (figures 5 and 7) are written by --pictures.
+tradeoff: KERNEL.svg (what each knob buys: error as the eye weighs it over time, both over the kernel's own
+settings, means of the scenes; the pictures beside the kernels' pages).
 Needs matplotlib (Debian: python3-matplotlib).
 """
 import json
@@ -20,6 +22,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+from matplotlib import ticker  # noqa: E402
 
 
 def select(rows, **wanted):
@@ -190,7 +193,79 @@ def lightcuts_alphas(rows, folder):
     (folder / "table_4.txt").write_text("\n".join(lines) + "\n")
 
 
-PLOTS = {"culling": (culling_curves, equal_time), "lightcuts": (lightcuts_curves, lightcuts_alphas),
+def over_default(rows):
+    """By configuration: time and error over the default's, geometric means of the scenes that have both."""
+    default = {row["scene"]: row for row in rows if row["config"] == "scale=1"}
+    points = {}
+    for config in {row["config"] for row in rows}:
+        here = [row for row in select(rows, config=config) if row["scene"] in default and row["rmse_ew"]]
+        if len(here) < len(default):
+            continue
+        points[config] = tuple(
+            math.exp(sum(math.log(row[key] / default[row["scene"]][key]) for row in here) / len(here))
+            for key in ("cpu_ms", "rmse_ew"))
+    return points
+
+
+def knob_lines(points):
+    """Knobs that were turned one at a time: name -> [(value, point)], the default's value left out."""
+    lines = {}
+    for config, point in points.items():
+        words = config.split()
+        if len(words) == 1:
+            name, value = words[0].split("=")
+            lines.setdefault(name, []).append((value, point))
+    return {name: line for name, line in lines.items() if name not in ("grid", "jpeg", "depth")}
+
+
+def matters(point):
+    return any(abs(math.log(value)) > 0.08 for value in point)
+
+
+def tradeoff_curves(rows, folder):
+    plt.rcParams["svg.fonttype"] = "none"
+    for kernel in values(rows, "kernel"):
+        here = select(rows, kernel=kernel)
+        figure, axis = plt.subplots(figsize=(9, 5.5))
+        points = over_default(here)
+        uniform = sorted(point for config, point in points.items() if select(here, config=config)[0]["uniform"])
+        axis.plot(*zip(*uniform), "--", color="0.6", label="whole pictures, uniform")
+        foveated = [(config, point) for config, point in points.items()
+                    if not select(here, config=config)[0]["uniform"]]
+        best, front = math.inf, []
+        for _, point in sorted(foveated, key=lambda entry: entry[1]):
+            if point[1] < best:
+                best, front = point[1], front + [point]
+        axis.plot(*zip(*front), "-", color="black", linewidth=1, label="front")
+        axis.plot(*zip(*(point for _, point in foveated)), ".", color="0.8", zorder=0)
+        markers = "os^vDPX*<>ph"
+        lines = sorted(knob_lines(dict(foveated)).items())
+        turned = [(name, line) for name, line in lines if any(matters(point) for _, point in line)]
+        for index, (name, line) in enumerate(turned):
+            line = sorted(line + [("", (1.0, 1.0))], key=lambda entry: entry[1])
+            axis.plot(*zip(*(point for _, point in line)), markers[index % len(markers)] + ":", markersize=4,
+                      color=f"C{index % 10}", label=name, linewidth=0.8)
+            for value, point in line:
+                if matters(point):
+                    axis.annotate(value, point, fontsize=6, xytext=(3, 3), textcoords="offset points")
+        still = [name for name, _ in lines if name not in dict(turned)]
+        if still:
+            axis.text(0.02, 0.02, "less than 8 % in both: " + ", ".join(still), fontsize=7,
+                      transform=axis.transAxes)
+        axis.plot(1, 1, "k+", markersize=12, label="as it is")
+        axis.set(xscale="log", yscale="log", xlabel="CPU time of a frame over the default's",
+                 ylabel="error as the eye weighs it, over the default's", title=kernel)
+        for which in (axis.xaxis, axis.yaxis):
+            which.set_major_formatter(ticker.FormatStrFormatter("%g"))
+            which.set_minor_formatter(ticker.FormatStrFormatter("%g"))
+            which.set_minor_locator(ticker.LogLocator(subs=(2, 3, 5, 7)))
+        axis.tick_params(which="both", labelsize=7)
+        axis.legend(fontsize=7, ncol=2)
+        figure.tight_layout()
+        figure.savefig(folder / f"{kernel}.svg", metadata={"Date": None})
+
+
+PLOTS = {"tradeoff": (tradeoff_curves,), "culling": (culling_curves, equal_time), "lightcuts": (lightcuts_curves, lightcuts_alphas),
          "sphere": (figure_11, figure_12, primitives, table_1)}
 
 

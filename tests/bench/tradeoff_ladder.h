@@ -24,14 +24,16 @@ std::vector<LadderStep> ladder_steps(std::span<const Fields> rows);
 /// from all other scenes.
 struct EstimateCheck {
   int steps = 0;
-  double kendall_tau = 0.0;      ///< of the steps' order, estimated against true
+  double kendall_tau = 0.0;      ///< of the order of steps whose true errors differ by 5 %
   double share_within_30 = 0.0;  ///< of steps whose estimate is within 30 % of the error
   double worst_factor = 1.0;     ///< estimate over error or its inverse
 };
 EstimateCheck check_estimates(std::span<const Fields> rows, const std::string& scene);
 
-/// (concordant - discordant) / all pairs.
-double kendall_tau(std::span<const double> a, std::span<const double> b);
+/// (concordant - discordant) / pairs, of those whose first values differ by more than `share` of
+/// the smaller: nearer ones have no order that could be kept. Positive values; 1 where there is no
+/// pair.
+double kendall_tau(std::span<const double> a, std::span<const double> b, double share = 0.0);
 
 /// FOLDER/KERNEL.toml as macula-server reads it (server/app/ladder_file.h); `command` and `where`
 /// say how the numbers came about.

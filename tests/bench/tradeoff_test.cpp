@@ -114,6 +114,10 @@ TEST(TradeoffLadder, KendallsTauIsOneForTheSameOrderAndMinusOneForTheReverse) {
   EXPECT_EQ(kendall_tau(rising, rising), 1.0);
   EXPECT_EQ(kendall_tau(rising, falling), -1.0);
   EXPECT_NEAR(kendall_tau(rising, swapped), 4.0 / 6.0, 1e-12);
+  // Two that are alike have no order; the twin: alike by less than is asked, they count.
+  const std::vector<double> alike{1.0, 1.02, 3.0}, turned{2.0, 1.0, 3.0};
+  EXPECT_EQ(kendall_tau(alike, turned, 0.05), 1.0);
+  EXPECT_NEAR(kendall_tau(alike, turned, 0.01), 1.0 / 3.0, 1e-12);
 }
 
 // Estimates are a fifth too large; on the third scene so, or by a half.
