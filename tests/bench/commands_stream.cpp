@@ -40,6 +40,8 @@ Run declare_reprojection(CLI::App& command, Pace pace) {
       ->check(CLI::IsMember({"none", "default"}))
       ->option_text("none|default (none)");
   command.add_flag("--foveated", options->foveated, "Frames on the server's foveal grid");
+  command.add_option("--rate-model", options->rate_model, "How that grid falls off from the gaze")
+      ->option_text("NAME (cortical)");
   command.add_option("--material", options->material, "lambert for the bars; full apart from them")
       ->check(CLI::IsMember({"lambert", "full"}))
       ->option_text("lambert|full (lambert)");

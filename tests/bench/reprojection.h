@@ -2,8 +2,8 @@
 // head of `latency_ms` ago is warped to the head of now and compared with the renderer at exactly
 // that pose: 60 degrees, 600 pixels a side, 12 degrees of guard band, 3x3 fixed samples on both
 // sides. Rows
-//   scene trace latency_ms method codec foveated source_scale material layers poses psnr_db
-//   psnr_p10_db f10_psnr_db gp_psnr_db flip holes_pct outside_guard_pct error_filled_pct
+//   scene trace latency_ms method codec foveated rate_model source_scale material layers poses
+//   psnr_db psnr_p10_db f10_psnr_db gp_psnr_db flip holes_pct outside_guard_pct error_filled_pct
 //   error_silhouette_pct bound_p95_px true_p95_px violations bytes_per_frame hidden_bytes_pct
 //   hidden_cells_pct hidden_cpu_pct cpu_ms resampling_ceiling_db turn_deg offset_cm
 // Figures are medians over the poses whose residual turn lies inside the guard band, psnr_p10_db
@@ -37,12 +37,13 @@ struct ReprojectionOptions {
   std::vector<double> source_scales{1.0, 1.5};
   std::string material = "lambert";
   std::string codec = "none";  ///< "default": frames are coded and decoded as the server does
-  bool foveated = false;       ///< frames lie on the server's own grid, gaze straight ahead
-  int side_px = 600;           ///< of the square display
-  int poses = 10;              ///< of a row
-  int threads = 0;             ///< of the renderer
-  std::string pictures;        ///< folder: pictures of the last pose, and of their errors
-  std::string json;            ///< rows it holds already are kept
+  bool foveated = false;       ///< frames lie on a foveal grid, gaze straight ahead
+  std::string rate_model = "cortical";  ///< of that grid; the server's default
+  int side_px = 600;                    ///< of the square display
+  int poses = 10;                       ///< of a row
+  int threads = 0;                      ///< of the renderer
+  std::string pictures;                 ///< folder: pictures of the last pose, and of their errors
+  std::string json;                     ///< rows it holds already are kept
 };
 /// Two scenes, latencies 0, 50 and 100 ms, source scale 1, three poses.
 void make_quick(ReprojectionOptions& options);
