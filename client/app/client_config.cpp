@@ -73,7 +73,7 @@ reprojection::WarpOptions warp_options(ClientConfig::Warp warp) {
     case ClientConfig::Warp::Mesh:
       break;
     case ClientConfig::Warp::Grid:
-      return {.detail_px = WarpOptions::kGridDetail_px, .filter = WarpOptions::Filter::Bilinear};
+      return WarpOptions::grid_mode();
     case ClientConfig::Warp::Rotation:
       return {.method = WarpOptions::Method::RotationOnly};
     case ClientConfig::Warp::Stale:

@@ -106,22 +106,25 @@ void Holes::note_row(const Fragments& fragments, int y) {
 }
 
 Holes::Counts Holes::classify_and_fill(const Fragments& fragments, WarpOptions::Holes holes,
-                                       image::Plane<Rgb8>& colors,
+                                       int side_px, image::Plane<Rgb8>& colors,
                                        image::Plane<Coverage>* coverage) {
   if (coverage != nullptr) {
-    coverage->resize(fragments.width(), fragments.height(), Coverage::Covered);
+    coverage->resize(side_px * fragments.width(), side_px * fragments.height(), Coverage::Covered);
   }
   find_upper_and_lower(fragments, gaps_);
+  const int pixels = side_px * side_px;
   Counts counts;
   for (const Gap& gap : gaps_) {
     const bool hole = gap.enclosed();
-    ++(hole ? counts.filled_px : counts.outside_px);
-    if (coverage != nullptr) {
-      (*coverage)(gap.x, gap.y) = hole ? Coverage::Filled : Coverage::Outside;
-    }
-    if (hole && holes == WarpOptions::Holes::FillFartherSide) {
-      const image::Pixel from = farther_neighbour(fragments, gap);  // drawn: never itself a fill
-      colors(gap.x, gap.y) = colors(from.x, from.y);
+    (hole ? counts.filled_px : counts.outside_px) += static_cast<std::uint64_t>(pixels);
+    const bool filled = hole && holes == WarpOptions::Holes::FillFartherSide;
+    // Drawn: never itself a fill.
+    const image::Pixel from = filled ? farther_neighbour(fragments, gap) : image::Pixel{};
+    for (int i = 0; i < pixels; ++i) {
+      const int column = i % side_px, row = i / side_px;
+      const int x = side_px * gap.x + column, y = side_px * gap.y + row;
+      if (coverage != nullptr) (*coverage)(x, y) = hole ? Coverage::Filled : Coverage::Outside;
+      if (filled) colors(x, y) = colors(side_px * from.x + column, side_px * from.y + row);
     }
   }
   return counts;

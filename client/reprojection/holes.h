@@ -22,8 +22,9 @@ class Holes {
     std::uint64_t filled_px = 0, outside_px = 0;
   };
   /// After the last row: marks every pixel unless `coverage` is null; under FillFartherSide holes
-  /// in `colors` receive a drawn pixel's colour. Uses inverse depths alone.
-  Counts classify_and_fill(const Fragments& fragments, WarpOptions::Holes holes,
+  /// in `colors` receive a drawn pixel's colour. Uses inverse depths alone. Each fragment stands
+  /// for `side_px` x `side_px` pixels of both planes.
+  Counts classify_and_fill(const Fragments& fragments, WarpOptions::Holes holes, int side_px,
                            image::Plane<Rgb8>& colors, image::Plane<Coverage>* coverage);
 
   /// An undrawn pixel and the nearest drawn ones in its row and column: their column or row.

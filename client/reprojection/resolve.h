@@ -2,6 +2,7 @@
 // thread.
 #pragma once
 
+#include "client/reprojection/doubled_rows.h"
 #include "client/reprojection/fragments.h"
 #include "client/reprojection/warp.h"
 
@@ -24,8 +25,8 @@ FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
 class Resolver {
  public:
   Resolver(const SourceView& source, const foveation::Display& display, WarpOptions::Filter filter);
-  /// The rows of the fragments' band; `out` has the whole picture's size.
-  void resolve_band(const Fragments& fragments, image::Plane<Rgb8>& out) const;
+  /// Row `y` of `out`, which has the whole picture's size.
+  void resolve_row(const FragmentRow& fragments, int y, image::Plane<Rgb8>& out) const;
 
  private:
   const image::Plane<Rgb8>& source_;

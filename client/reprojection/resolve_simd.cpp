@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "client/reprojection/raster_rules.h"
 #include "client/reprojection/resolve.h"
@@ -23,7 +24,7 @@ inline constexpr int kGroup = 16;  ///< pixels
 
 /// What a picture is resolved with.
 struct Resolving {
-  const Fragments& fragments;
+  const FragmentRow& fragments;
   const image::Plane<Rgb8>& source;
   const image::Plane<Rgb8>& hidden;  ///< of the same size
   FineRanges fine;
@@ -114,17 +115,16 @@ HWY_INLINE HWY_ATTR Cell cell_at(F place, int size) {
   return {before, hn::Sub(within, hn::ConvertTo(d, before))};
 }
 
-HWY_INLINE HWY_ATTR void find_places(const Resolving& r, int x, int y, int count, Places& places) {
+HWY_INLINE HWY_ATTR void find_places(const Resolving& r, int x, int count, Places& places) {
   const Floats d;
   const Ints di;
   places.drawn = places.fine = places.hidden = 0;
   for (int i = 0; i < kGroup; i += kLanes) {
-    const F u = hn::LoadU(d, r.fragments.us(y) + x + i),
-            row = hn::LoadU(d, r.fragments.vs(y) + x + i);
+    const F u = hn::LoadU(d, r.fragments.u + x + i), row = hn::LoadU(d, r.fragments.v + x + i);
     const F second = set(static_cast<float>(kSecondLayerRow));
     const auto hidden = hn::Ge(row, hn::Sub(second, set(1.0F)));  // half a cell beyond its edge
     const F v = hn::Sub(row, hn::IfThenElseZero(hidden, second));
-    const auto drawn = hn::Ge(hn::LoadU(d, r.fragments.inverse_depths(y) + x + i), set(0.0F));
+    const auto drawn = hn::Ge(hn::LoadU(d, r.fragments.inverse_depth + x + i), set(0.0F));
     const Cell across = cell_at(hn::IfThenElseZero(drawn, u), r.source.width());
     const Cell down = cell_at(hn::IfThenElseZero(drawn, v), r.source.height());
     hn::Store(across.before, di, places.column + i);
@@ -468,18 +468,16 @@ HWY_INLINE HWY_ATTR void write(const Colors& colors, std::uint32_t drawn, int co
   }
 }
 
-HWY_ATTR void resolve_rows(const Resolving& r, image::Plane<Rgb8>& out) {
+HWY_ATTR void resolve_row(const Resolving& r, std::span<Rgb8> out) {
   Places places;
   Colors colors{};
-  const int width = r.fragments.width();
-  for (int y = r.fragments.first_row(); y < r.fragments.end_row(); ++y) {
-    for (int x = 0; x < width; x += kGroup) {
-      const int count = std::min(kGroup, width - x);
-      find_places(r, x, y, count, places);
-      if (places.fine != places.drawn) resolve_bilinear(r, places, colors);
-      if (places.fine != 0) resolve_catmull_rom(r, places, colors);
-      write(colors, places.drawn, count, &out(x, y));
-    }
+  const int width = static_cast<int>(out.size());
+  for (int x = 0; x < width; x += kGroup) {
+    const int count = std::min(kGroup, width - x);
+    find_places(r, x, count, places);
+    if (places.fine != places.drawn) resolve_bilinear(r, places, colors);
+    if (places.fine != 0) resolve_catmull_rom(r, places, colors);
+    write(colors, places.drawn, count, out.data() + x);
   }
 }
 
@@ -502,7 +500,7 @@ CellRange fine_range(const std::vector<float>& edges, double finest) {
 
 }  // namespace
 
-HWY_EXPORT(resolve_rows);
+HWY_EXPORT(resolve_row);
 
 FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
                        WarpOptions::Filter filter) {
@@ -525,8 +523,8 @@ Resolver::Resolver(const SourceView& source, const foveation::Display& display,
       hidden_(source.hidden != nullptr ? source.hidden->color : source.color),
       fine_(fine_ranges(source.grid, display, filter)) {}
 
-void Resolver::resolve_band(const Fragments& fragments, image::Plane<Rgb8>& out) const {
-  HWY_DYNAMIC_DISPATCH(resolve_rows)({fragments, source_, hidden_, fine_}, out);
+void Resolver::resolve_row(const FragmentRow& fragments, int y, image::Plane<Rgb8>& out) const {
+  HWY_DYNAMIC_DISPATCH(resolve_row)({fragments, source_, hidden_, fine_}, out.row(y));
 }
 
 }  // namespace macula::reprojection

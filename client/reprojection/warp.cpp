@@ -5,6 +5,7 @@
 #include <bit>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "client/reprojection/cuts.h"
@@ -221,6 +222,19 @@ int band_rows(int width) {
   return std::max(kBandBytes / (width * static_cast<int>(sizeof(Fragment))), 8);
 }
 
+/// Of the square that one fragment stands for.
+int pixels_a_side(const foveation::Display& display, const WarpOptions& options) {
+  const bool even = display.width_px % 2 == 0 && display.height_px % 2 == 0;
+  return even && options.raster == WarpOptions::Raster::EverySecond ? 2 : 1;
+}
+
+/// Lengths in fragments.
+WarpOptions options_on_raster(WarpOptions options, int side_px) {
+  options.detail_px /= static_cast<float>(side_px);
+  options.cut_px /= static_cast<float>(side_px);
+  return options;
+}
+
 void check_sizes(const SourceView& source, const foveation::Display& display) {
   const auto fits = [&](const auto& plane) {
     return plane.width() == source.grid.width() && plane.height() == source.grid.height();
@@ -242,8 +256,23 @@ struct Warper::Memory {
   Patch patch;
   std::vector<PatchPlace> places, hidden_places;
   Fragments fragments;
+  DoubledRows doubled;
   Holes holes;
+  int side_px = 1;  ///< of a fragment
+
+  void resolve(const Resolver& resolver, int y, image::Plane<Rgb8>& out);
 };
+
+/// The pixels of a row of fragments.
+void Warper::Memory::resolve(const Resolver& resolver, int y, image::Plane<Rgb8>& out) {
+  if (side_px == 1) {
+    resolver.resolve_row({fragments.inverse_depths(y), fragments.us(y), fragments.vs(y)}, y, out);
+    return;
+  }
+  for (const int row : {2 * y, 2 * y + 1}) {
+    resolver.resolve_row(doubled.row(fragments, row), row, out);
+  }
+}
 
 Warper::Warper() : memory_(std::make_unique<Memory>()) {}
 Warper::~Warper() = default;
@@ -256,41 +285,51 @@ WarpReport Warper::warp(const SourceView& source, const Pose& stage_from_display
   check_sizes(source, display);
   const RelativeView relative =
       relative_view(source.stage_from_view, stage_from_display, options.method);
-  auto& [patch, places, hidden_places, fragments, holes] = *memory_;
-  LayerDrawing seen(source, 0, WantedCells(nullptr), relative, display, options, places, patch);
+  auto& [patch, places, hidden_places, fragments, doubled, holes, side_px] = *memory_;
+  side_px = pixels_a_side(display, options);
+  const foveation::Display raster{display.fov, display.width_px / side_px,
+                                  display.height_px / side_px};
+  const WarpOptions drawn = options_on_raster(options, side_px);
+  LayerDrawing seen(source, 0, WantedCells(nullptr), relative, raster, drawn, places, patch);
   const auto hidden = hidden_source(source, options, relative);
   std::optional<LayerDrawing> behind;
   if (hidden) {
-    behind.emplace(*hidden, kSecondLayerRow, WantedCells(&source.hidden->cells), relative, display,
-                   options, hidden_places, patch);
+    behind.emplace(*hidden, kSecondLayerRow, WantedCells(&source.hidden->cells), relative, raster,
+                   drawn, hidden_places, patch);
   }
   const Resolver resolver(source, display, options.filter);
-  fragments.resize(display.width_px, display.height_px);
+  fragments.resize(raster.width_px, raster.height_px);
   holes.clear();
   if (out.width() != display.width_px || out.height() != display.height_px) {
     out.resize(display.width_px, display.height_px);
   }
-  const int rows = band_rows(display.width_px);
-  for (int first = 0; first < display.height_px; first += rows) {
-    fragments.begin_band(first, std::min(first + rows, display.height_px));
+  const int rows = band_rows(raster.width_px),
+            beyond = side_px - 1;  // doubling looks at both sides
+  for (int first = 0; first < raster.height_px; first += rows) {
+    const int end = std::min(first + rows, raster.height_px);
+    fragments.begin_band(std::max(first - beyond, 0), std::min(end + beyond, raster.height_px));
     if (behind) behind->draw(fragments);
     seen.draw(fragments);
-    for (int y = first; y < fragments.end_row(); ++y) holes.note_row(fragments, y);
-    resolver.resolve_band(fragments, out);
+    for (int y = first; y < end; ++y) {
+      holes.note_row(fragments, y);
+      memory_->resolve(resolver, y, out);
+    }
   }
-  const auto counts = holes.classify_and_fill(fragments, options.holes, out, coverage);
+  const auto counts = holes.classify_and_fill(fragments, options.holes, side_px, out, coverage);
   const auto pixels =
       static_cast<std::uint64_t>(display.width_px) * static_cast<std::uint64_t>(display.height_px);
   return {pixels - counts.filled_px - counts.outside_px, counts.filled_px, counts.outside_px};
 }
 
 void Warper::copy_inverse_depth(image::Plane<float>& out) const {
-  const Fragments& fragments = memory_->fragments;
-  if (out.width() != fragments.width() || out.height() != fragments.height())
-    out.resize(fragments.width(), fragments.height());
-  for (int y = 0; y < out.height(); ++y)
-    std::transform(fragments.inverse_depths(y), fragments.inverse_depths(y) + out.width(),
-                   out.row(y).begin(), [](float inverse) { return std::max(inverse, 0.0F); });
+  const auto& [fragments, side_px] = std::tie(memory_->fragments, memory_->side_px);
+  const int width = side_px * fragments.width(), height = side_px * fragments.height();
+  if (out.width() != width || out.height() != height) out.resize(width, height);
+  for (int y = 0; y < height; ++y) {
+    const float* const from = fragments.inverse_depths(y / side_px);
+    const auto to = out.row(y);
+    for (int x = 0; x < width; ++x) to[x] = std::max(from[x / side_px], 0.0F);
+  }
 }
 
 WarpReport warp(const SourceView& source, const Pose& stage_from_display,

@@ -34,7 +34,7 @@ struct WarpOptions {
   enum class Method { Mesh, RotationOnly, Stale };
   Method method = Method::Mesh;
   /// Cells that lie on one plane to within this many display pixels of parallax are drawn as one
-  /// block of up to 31 x 31; 0 draws every cell. kGridDetail_px is the grid mode of slow machines.
+  /// block of up to 31 x 31; 0 draws every cell.
   float detail_px = kFullDetail_px;
   static constexpr float kFullDetail_px = 0.01F, kGridDetail_px = 0.5F;
   /// Between two cells whose parallax differs by more than `cut_px` display pixels and that do not
@@ -54,6 +54,22 @@ struct WarpOptions {
   enum class Filter { Bilinear, CatmullRom, Fovea };
   Filter filter = Filter::Fovea;
   static constexpr float kFine_px = 1.5F;
+  /// EverySecond: the mesh is drawn for every second pixel of every second row, places between are
+  /// interpolated, and silhouettes are true to two pixels; of displays with even sizes, others take
+  /// EveryPixel.
+  enum class Raster { EveryPixel, EverySecond };
+  Raster raster = Raster::EveryPixel;
+
+  /// The grid mode of slow machines.
+  static constexpr WarpOptions grid_mode() {
+    WarpOptions options;
+    options.detail_px = kGridDetail_px;
+    options.cut_px = kGridCut_px;
+    options.filter = Filter::Bilinear;
+    options.raster = Raster::EverySecond;
+    return options;
+  }
+  static constexpr float kGridCut_px = 1.5F;
 };
 
 /// Pixels of the display by where their colour comes from.

@@ -15,7 +15,7 @@ const std::array<Method, 10> kMethods{{
     {"mesh", {.silhouettes = Silhouettes::Stretch}},
     {"mesh_cut", {.silhouettes = Silhouettes::Cut}},
     {"mesh_cut_splat", {}},
-    {"grid", {.detail_px = WarpOptions::kGridDetail_px, .filter = WarpOptions::Filter::Bilinear}},
+    {"grid", WarpOptions::grid_mode()},
     {"predicted", {}, true, true},
     {"layered", {}, true, false, true},
     {"layered_predicted", {}, true, true, true},

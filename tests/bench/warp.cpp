@@ -29,7 +29,7 @@ const std::array<Way, 5> kWays{{
     {"every_cell", {.detail_px = 0.0F}},
     {"full", {}},
     {"bilinear", {.filter = WarpOptions::Filter::Bilinear}},
-    {"grid", {.detail_px = WarpOptions::kGridDetail_px, .filter = WarpOptions::Filter::Bilinear}},
+    {"grid", WarpOptions::grid_mode()},
     {"rotation", {.method = WarpOptions::Method::RotationOnly}},
 }};
 

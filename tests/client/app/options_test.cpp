@@ -84,7 +84,7 @@ TEST(ClientOptions, SlowMachinesMayTakeTheCoarseMesh) {
   using reprojection::WarpOptions;
   EXPECT_EQ(config_of({}).warp, ClientConfig::Warp::Mesh);
   const ClientConfig config = config_of({"--reprojection", "grid"});
-  EXPECT_EQ(warp_options(config.warp).detail_px, WarpOptions::kGridDetail_px);
+  EXPECT_EQ(warp_options(config.warp).raster, WarpOptions::Raster::EverySecond);
   EXPECT_EQ(warp_options(config.warp).filter, WarpOptions::Filter::Bilinear);
   EXPECT_EQ(warp_options(config.warp).method, WarpOptions::Method::Mesh);
 }

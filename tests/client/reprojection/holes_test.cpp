@@ -28,7 +28,7 @@ Drawn drawn_of(const std::vector<std::string>& rows) {
 void fill(Drawn& drawn) {
   Holes holes;
   for (int y = 0; y < drawn.colors.height(); ++y) holes.note_row(drawn.fragments, y);
-  holes.classify_and_fill(drawn.fragments, WarpOptions::Holes::FillFartherSide, drawn.colors,
+  holes.classify_and_fill(drawn.fragments, WarpOptions::Holes::FillFartherSide, 1, drawn.colors,
                           &drawn.coverage);
 }
 /// The picture afterwards; lower case where filled.

@@ -2,9 +2,12 @@
 // blocks against single cells, every instruction set against every other.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
+#include "client/reprojection/doubled_rows.h"
 #include "client/reprojection/mesh.h"
 #include "client/reprojection/raster.h"
 #include "hwy/targets.h"
@@ -69,9 +72,9 @@ TEST(SpeedPaths, BlocksShowWhatSingleCellsShow) {
 TEST(SpeedPaths, EveryInstructionSetGivesTheSameBits) {
   const auto display = square_display(150);
   const Frame frame = draw(ball_before_wall, widening_grid(display), {}, 1);
-  for (const WarpOptions& options : {WarpOptions{}, WarpOptions{.detail_px = 0.0F},
-                                     WarpOptions{.detail_px = WarpOptions::kGridDetail_px,
-                                     .filter = WarpOptions::Filter::Bilinear}}) {
+  for (const WarpOptions& options :
+       {WarpOptions{}, WarpOptions{.detail_px = 0.0F},
+        WarpOptions{.filter = WarpOptions::Filter::Bilinear}, WarpOptions::grid_mode()}) {
     image::Plane<Rgb8> best;
     int targets = 0;
     for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1, ++targets) {
@@ -83,6 +86,69 @@ TEST(SpeedPaths, EveryInstructionSetGivesTheSameBits) {
       EXPECT_EQ(psnr_db(best, shown, [](int, int) { return true; }), kInfinity);
     }
     EXPECT_GE(targets, 2);
+  }
+}
+
+TEST(SpeedPaths, EverySecondPixelShowsNearlyWhatEveryPixelShows) {
+  const auto display = square_display(300);
+  const Frame frame = draw(ball_before_wall, grid_with_margin(display, 40), {}, 2);
+  const auto everywhere = [](int, int) { return true; };
+  const WarpOptions each{.filter = WarpOptions::Filter::Bilinear};
+  WarpOptions second = each;
+  second.raster = WarpOptions::Raster::EverySecond;
+  image::Plane<Rgb8> by_each, by_second;
+  image::Plane<Coverage> coverage;
+  const auto expected = warp(frame.view(), kMoved, display, each, by_each);
+  const auto report = warp(frame.view(), kMoved, display, second, by_second, &coverage);
+  EXPECT_GT(psnr_db(by_each, by_second, everywhere), 35.0);
+  EXPECT_NEAR(report.filled_share(), expected.filled_share(), 0.002);
+  const auto filled =
+      std::count(coverage.pixels().begin(), coverage.pixels().end(), Coverage::Filled);
+  EXPECT_EQ(static_cast<std::uint64_t>(filled), report.filled_px);
+  // The twin that must fail: half the pixels, doubled without a look at what lies between.
+  const foveation::Display coarse{display.fov, 150, 150};
+  image::Plane<Rgb8> half, doubled(300, 300);
+  warp(frame.view(), kMoved, coarse, each, half);
+  for (int y = 0; y < 300; ++y) {
+    for (int x = 0; x < 300; ++x) doubled(x, y) = half(x / 2, y / 2);
+  }
+  EXPECT_LT(psnr_db(by_each, doubled, everywhere), 35.0);
+}
+
+TEST(SpeedPaths, EverySecondPixelOfAnOddDisplayIsEveryPixel) {
+  const auto display = square_display(151);
+  const Frame frame = draw(ball_before_wall, grid_with_margin(display, 20), {}, 1);
+  image::Plane<Rgb8> each, second;
+  warp(frame.view(), kMoved, display, {}, each);
+  warp(frame.view(), kMoved, display, {.raster = WarpOptions::Raster::EverySecond}, second);
+  EXPECT_EQ(psnr_db(each, second, [](int, int) { return true; }), kInfinity);
+}
+
+TEST(SpeedPaths, PlacesBetweenFragmentsAreInterpolatedButForSilhouettes) {
+  constexpr int kSide = 40, kJump = 20;
+  Fragments fragments(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const float beyond = x < kJump ? 0.0F : 30.0F;  // cells: another surface
+      fragments.set(x, y,
+                    {1.0F, 2.0F * static_cast<float>(x) + beyond, 2.0F * static_cast<float>(y)});
+    }
+  }
+  fragments.set(5, 5, {});
+  DoubledRows rows;
+  for (int y = 1; y + 1 < 2 * kSide; ++y) {
+    const FragmentRow row = rows.row(fragments, y);
+    for (int x = 1; x + 1 < 2 * kSide; ++x) {
+      const bool drawn = x / 2 != 5 || y / 2 != 5;
+      ASSERT_EQ(row.inverse_depth[x] >= 0.0F, drawn) << x << ", " << y;
+      const bool by_hole = std::abs(x - 10.5) < 2.0 && std::abs(y - 10.5) < 2.0;
+      const bool by_jump = x == 2 * kJump - 1 || x == 2 * kJump;
+      if (by_hole) continue;
+      const float beyond = x < 2 * kJump ? 0.0F : 30.0F;
+      const float nearest = 2.0F * static_cast<float>(x / 2);
+      ASSERT_EQ(row.u[x], (by_jump ? nearest : static_cast<float>(x) - 0.5F) + beyond) << x;
+      ASSERT_EQ(row.v[x], static_cast<float>(y) - 0.5F) << y;
+    }
   }
 }
 
