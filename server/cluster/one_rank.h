@@ -21,6 +21,9 @@ class OneRank final : public scheduling::RankGroup {
     std::ranges::copy(mine, all.of(0).begin());
     return true;
   }
+  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override {
+    return all_gather(to.front(), from);
+  }
   bool broadcast(scheduling::Bytes&) override { return true; }
   void begin_tickets() override { tickets_ = 0; }
   std::size_t take_ticket() override { return tickets_++; }

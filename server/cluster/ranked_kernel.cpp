@@ -68,7 +68,8 @@ kernels::FrameReport render_shared(scheduling::RankGroup& ranks, scheduling::Bal
   if (report.stopped) memory.forecast = {};
   if (watcher) {
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
-    watcher({sharing.passes(), wall.count(), scheduling::thread_cpu_ms() - begin_cpu});
+    watcher({sharing.passes(), wall.count(), scheduling::thread_cpu_ms() - begin_cpu,
+             sharing.body_ms()});
   }
   return report;
 }

@@ -20,8 +20,9 @@ namespace macula::cluster {
 /// One shared frame as a rank saw it, for measurements.
 struct SharedFrame {
   std::vector<scheduling::PassRecord> passes;
-  double frame_ms = 0.0;  ///< wall
-  double cpu_ms = 0.0;    ///< of the calling thread
+  double frame_ms = 0.0;     ///< wall
+  double cpu_ms = 0.0;       ///< of the calling thread
+  double threaded_ms = 0.0;  ///< processor time of what ran on the scheduler's threads, all of them
 };
 using FrameWatcher = std::function<void(const SharedFrame&)>;
 

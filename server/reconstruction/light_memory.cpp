@@ -41,14 +41,35 @@ MemoryJoin::MemoryJoin(const LightMemory* last, const MemoryConfig& config, Ligh
     warp_.emplace(now.world_from_view, now.grid, last_->world_from_view, last_->grid);
     areas_then_ = CellAreas(last_->grid);
   }
-  const int width = now.surfaces.width(), height = now.surfaces.height();
-  for (WidePlane* plane : {&now.square, &now.recent, &now.samples}) plane->resize(width, height);
-  for (Spread* spread : {&around_mean_, &around_recent_}) spread->resize(width, height);
+  for (WidePlane* plane :
+       {&now.square, &now.recent, &now.samples, &around_mean_.mean, &around_mean_.deviation,
+        &around_recent_.mean, &around_recent_.deviation}) {
+    plane->resize_as(now.mean.r);
+  }
+  places_.resize(static_cast<std::size_t>(now.surfaces.height()));
+}
+
+MemoryJoin::Span MemoryJoin::locate_row(int y) {
+  if (!warp_) return {};
+  RowPlaces& places = places_[static_cast<std::size_t>(y)];
+  places = places_of(y);
+  const int width = last_->surfaces.width(), height = last_->surfaces.height();
+  Span span{height, 0};
+  for (std::size_t i = 0; i < places.y.size(); ++i) {
+    if (!(places.inverse_depth[i] > 0.0F)) continue;
+    const float above = std::floor(places.y[i] - 0.5F);
+    if (!(above >= -1.0F && above < static_cast<float>(height))) continue;
+    if (!(places.x[i] > -0.5F && places.x[i] < static_cast<float>(width) + 0.5F)) continue;
+    span.begin = std::min(span.begin, std::max(static_cast<int>(above), 0));
+    span.end = std::max(span.end, std::min(static_cast<int>(above) + 2, height));
+  }
+  return span;
 }
 
 void MemoryJoin::join_row(int y) {
-  RowPlaces places;
-  if (warp_) places = locate_row(y);
+  const auto row = static_cast<std::size_t>(y);
+  if (warp_ && places_[row].x.empty()) places_[row] = places_of(y);
+  const RowPlaces& places = places_[row];
   for (int x = 0; x < now_.surfaces.width(); ++x) {
     if (!(now_.surfaces.distance_m.row(y)[x] > 0.0F)) continue;
     join(x, y, warp_ ? recalled(places, x, y) : Cell{});
@@ -73,7 +94,7 @@ void MemoryJoin::judge_row(int y) {
   }
 }
 
-RowPlaces MemoryJoin::locate_row(int y) const {
+RowPlaces MemoryJoin::places_of(int y) const {
   std::vector<float> inverse_depth(static_cast<std::size_t>(now_.surfaces.width()));
   const Vec3 ahead(-glm::mat3_cast(now_.world_from_view.rotation)[2]);
   const Vec3 eye(now_.world_from_view.position);

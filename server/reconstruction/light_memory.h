@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "server/reconstruction/atrous.h"
 #include "server/reconstruction/cell_areas.h"
@@ -24,6 +25,12 @@ struct LightMemory {
   WidePlane fresh;    ///< samples of this frame in a cell, > 0 where there is a surface
   WidePlane samples;  ///< that went into the mean; 0: no surface
 
+  /// What the next frame reads.
+  std::vector<WidePlane*> all() {
+    std::vector<WidePlane*> planes{&mean.r, &mean.g, &mean.b, &square, &recent, &samples};
+    for (WidePlane* plane : surfaces.all()) planes.push_back(plane);
+    return planes;
+  }
   /// How many frames like this one the mean stands for.
   float frames(int x, int y) const { return samples.row(y)[x] / fresh.row(y)[x]; }
 };
@@ -38,19 +45,26 @@ struct MemoryConfig {
 /// Joins the light of one frame with what `last` remembers (none: nothing), by samples; what wider
 /// cells saw counts for less. `now` holds view, grid, surfaces, fresh samples, and in `mean` the
 /// light of this frame with its luminance; when all three steps went
-/// over all rows, one after the other, all of it is set. Rows of one step may run in any order.
+/// over all rows, one after the other, all of it is set. Rows of one step may run in any order. Of
+/// planes that hold some rows only: joining reads rows of `last` that `locate_row` names; bounding
+/// and judging read two rows to either side of what the step before left.
 class MemoryJoin {
  public:
   /// Refers to all three.
   MemoryJoin(const LightMemory* last, const MemoryConfig& config, LightMemory& now);
 
+  /// Rows of `last` that join_row(y) reads. Optional; once for a row.
+  struct Span {
+    int begin = 0, end = 0;
+  };
+  Span locate_row(int y);
   void join_row(int y);
   void bound_row(int y);  ///< by the fast history
   void judge_row(int y);  ///< variance
 
  private:
   struct Cell;
-  RowPlaces locate_row(int y) const;
+  RowPlaces places_of(int y) const;
   Cell recalled(const RowPlaces& places, int x, int y) const;
   bool shows_same(int x, int y, int then_x, int then_y) const;
   void join(int x, int y, const Cell& old);
@@ -61,6 +75,7 @@ class MemoryJoin {
   LightMemory& now_;
   std::optional<RowWarp> warp_;
   CellAreas areas_now_, areas_then_;
+  std::vector<RowPlaces> places_;  ///< by row, of those that were located
   Spread around_mean_, around_recent_;
 };
 

@@ -2,6 +2,8 @@
 // read.
 #pragma once
 
+#include <array>
+
 #include "server/reconstruction/wide_plane.h"
 
 namespace macula::reconstruction {
@@ -14,9 +16,11 @@ struct SurfacePlanes {
 
   int width() const { return x.width(); }
   int height() const { return x.height(); }
+  std::array<WidePlane*, 7> all() {
+    return {&x, &y, &z, &normal_x, &normal_y, &normal_z, &distance_m};
+  }
   void resize(int width, int height) {
-    for (WidePlane* plane : {&x, &y, &z, &normal_x, &normal_y, &normal_z, &distance_m})
-      plane->resize(width, height);
+    for (WidePlane* plane : all()) plane->resize(width, height);
   }
 };
 
@@ -26,8 +30,9 @@ struct LightPlanes {
   WidePlane luminance;
   WidePlane variance;  ///< of the luminance
 
+  std::array<WidePlane*, 5> all() { return {&r, &g, &b, &luminance, &variance}; }
   void resize(int width, int height) {
-    for (WidePlane* plane : {&r, &g, &b, &luminance, &variance}) plane->resize(width, height);
+    for (WidePlane* plane : all()) plane->resize(width, height);
   }
 };
 

@@ -21,6 +21,23 @@ PictureJoin::PictureJoin(const PictureMemory* last, const SteadyConfig& config,
   areas_then_ = CellAreas(last->grid);
   anything_.resize(last->roots.width(), last->roots.height(), 0.0F);
   warp_.emplace(now.world_from_view, now.grid, last->world_from_view, last->grid);
+  places_.resize(static_cast<std::size_t>(fresh.height()));
+}
+
+PictureJoin::Span PictureJoin::locate_row(int y) {
+  if (!warp_) return {};
+  RowPlaces& places = places_[static_cast<std::size_t>(y)];
+  places = places_of(y);
+  constexpr int kTaps = 2;  // of a cubic, on either side
+  const int height = last_->roots.height();
+  Span span{height, 0};
+  for (std::size_t i = 0; i < places.y.size(); ++i) {
+    const float at = std::floor(places.y[i]);
+    if (!(at >= -1.0F && at <= static_cast<float>(height))) continue;
+    span.begin = std::min(span.begin, std::max(static_cast<int>(at) - kTaps, 0));
+    span.end = std::max(span.end, std::min(static_cast<int>(at) + kTaps + 1, height));
+  }
+  return span;
 }
 
 void PictureJoin::prepare_row(int y) {
@@ -46,16 +63,22 @@ void PictureJoin::join_row(int y, std::span<Rgb> shown) {
   }
 }
 
-PictureJoin::Row PictureJoin::read(int y) const {
+RowPlaces PictureJoin::places_of(int y) const {
   const auto width = static_cast<std::size_t>(fresh_.width());
   std::vector<float> inverse_depth(width);
   for (std::size_t i = 0; i < width; ++i) inverse_depth[i] = nearest(static_cast<int>(i), y);
   RowPlaces places;
   warp_->row(y, inverse_depth, places);
   for (float& w : places.inverse_depth) w = std::min(w, 0.0F);  // negative: behind the eye then
+  return places;
+}
+
+PictureJoin::Row PictureJoin::read(int y) {
+  RowPlaces& places = places_[static_cast<std::size_t>(y)];
+  if (places.x.empty()) places = places_of(y);
   Row row;
   judge_places({anything_}, places, row.reads);
-  row.roots.resize(width);
+  row.roots.resize(places.x.size());
   read_row(row.reads, last_->roots, row.roots);
   return row;
 }

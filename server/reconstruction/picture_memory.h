@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "server/reconstruction/cell_areas.h"
 #include "server/reconstruction/history_rows.h"
@@ -37,6 +38,12 @@ class PictureJoin {
               const image::Plane<float>& inverse_depth, PictureMemory& now);
 
   void prepare_row(int y);
+  /// Rows [begin, end) of `last` that join_row(y) reads, which also reads the prepared ones beside
+  /// it. Optional; once for a row.
+  struct Span {
+    int begin = 0, end = 0;
+  };
+  Span locate_row(int y);
   void join_row(int y, std::span<Rgb> shown);
 
  private:
@@ -47,7 +54,8 @@ class PictureJoin {
     std::vector<Texel> roots;
     RowReads reads;
   };
-  Row read(int y) const;
+  RowPlaces places_of(int y) const;
+  Row read(int y);
   float frames(const Row& row, int x, int y) const;
   Bounds around(int x, int y) const;
   float nearest(int x, int y) const;
@@ -61,6 +69,7 @@ class PictureJoin {
   image::Plane<float> anything_;  ///< inverse depths then, that agree with every other
   CellAreas areas_now_, areas_then_;
   std::optional<RowWarp> warp_;
+  std::vector<RowPlaces> places_;  ///< by row, of those that were located
 };
 
 }  // namespace macula::reconstruction

@@ -194,4 +194,66 @@ Outcome FrameSharing::run(TileScheduler& scheduler, const SharedPass& pass, cons
   return Outcome::Completed;
 }
 
+void FrameSharing::pack_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record,
+                             std::vector<Bytes>& each) {
+  const auto own = static_cast<std::size_t>(ranks_.rank());
+  const Rows& mine = trade.makes[own];
+  record.bytes.assign(record.costs_ms.size(), 0U);
+  for (int y = mine.begin; y < mine.end; ++y) {
+    std::size_t weight = 0;
+    Parcel weighing = Parcel::weighing(weight);
+    outputs(y, weighing);
+    record.bytes[static_cast<std::size_t>(y)] = static_cast<std::uint32_t>(weight);
+  }
+  double spent_ms = 0.0;
+  for (const float cost : record.costs_ms) spent_ms += static_cast<double>(cost);
+  for (std::size_t rank = 0; rank < each.size(); ++rank) {
+    Parcel packing = Parcel::packing(each[rank]);
+    packing.value(spent_ms);
+    const Rows rows = common(mine, trade.wants[rank]);
+    for (int y = rows.begin; rank != own && y < rows.end; ++y) outputs(y, packing);
+  }
+}
+
+bool FrameSharing::trade(const RowTrade& trade, const RowOutputs& outputs, PassRecord record) {
+  const auto own = static_cast<std::size_t>(ranks_.rank());
+  const double begin_pack = thread_cpu_ms();
+  std::vector<Bytes> each(trade.makes.size());
+  pack_rows(trade, outputs, record, each);
+  record.pack_ms = thread_cpu_ms() - begin_pack;
+  const auto begin = Clock::now();
+  Gathered from;
+  if (!ranks_.trade(each, from)) return false;
+  record.exchange_ms = ms_since(begin);
+  const double begin_unpack = thread_cpu_ms();
+  record.exchange_cpu_ms = begin_unpack - begin_pack - record.pack_ms;
+  record.over_rows = true;
+  record.extra = trade.extra;
+  record.rank_costs_ms.assign(each.size(), 0.0);
+  for (std::size_t rank = 0; rank < each.size(); ++rank) {
+    Parcel unpacking = Parcel::unpacking(from.of(rank));
+    unpacking.value(record.rank_costs_ms[rank]);
+    if (rank == own) continue;
+    record.bytes_sent += each[rank].size(), record.bytes_received += from.of(rank).size();
+    const Rows rows = common(trade.makes[rank], trade.wants[own]);
+    for (int y = rows.begin; y < rows.end; ++y) outputs(y, unpacking);
+    MACULA_CHECK(unpacking.left() == 0, "a rank sends the rows that are read, and no more");
+  }
+  record.pack_ms += thread_cpu_ms() - begin_unpack;
+  passes_.push_back(std::move(record));
+  return true;
+}
+
+bool FrameSharing::tell(const Rows& mine, std::vector<Rows>& all) {
+  Bytes said;
+  Rows copy = mine;
+  Parcel::packing(said).value(copy);
+  Gathered heard;
+  if (!ranks_.all_gather(said, heard)) return false;
+  all.resize(heard.ranks());
+  for (std::size_t rank = 0; rank < all.size(); ++rank)
+    Parcel::unpacking(heard.of(rank)).value(all[rank]);
+  return true;
+}
+
 }  // namespace macula::scheduling

@@ -5,6 +5,7 @@
 // comes exactly once, or the process ends. What is not shared every rank computes for itself.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,7 @@
 #include "server/scheduling/balance.h"
 #include "server/scheduling/cost_forecast.h"
 #include "server/scheduling/parcel.h"
+#include "server/scheduling/rows.h"
 
 namespace macula::scheduling {
 
@@ -31,8 +33,15 @@ struct SharedPass {
   Audience audience = Audience::EveryRank;
 };
 
-/// What one shared pass cost, for balance and measurements. Times of this rank, wall; costs of all
-/// tiles, processor time of the threads that ran them.
+/// What goes from rank to rank between two steps over rows; by rank.
+struct RowTrade {
+  std::vector<Rows> makes, wants;
+  int extra = 0;  ///< rows on either side of its own that a rank made for itself
+};
+
+/// What one shared pass, or a step over rows, cost, for balance and measurements. Times of this
+/// rank, wall; costs of all tiles (a row counts as one), processor time of the threads that ran
+/// them.
 struct PassRecord {
   std::vector<float> costs_ms;        ///< by tile, of all ranks
   std::vector<float> expected;        ///< by tile
@@ -44,7 +53,12 @@ struct PassRecord {
   double exchange_cpu_ms = 0.0;       ///< processor time of the same, on the calling thread
   std::uint64_t bytes_sent = 0, bytes_received = 0;
   Audience audience = Audience::EveryRank;
+  bool over_rows = false;   ///< made in bands (row_bands.h)
+  std::vector<Rows> reads;  ///< that the next step reads, by row of a band; empty: the audience all
+  int extra = 0;            ///< as in RowTrade
 };
+
+using RowOutputs = std::function<void(int y, Parcel&)>;
 
 class FrameSharing {
  public:
@@ -58,7 +72,16 @@ class FrameSharing {
   /// Stopped: rank 0's token fired, and all ranks say so of the same pass; or a rank was lost.
   Outcome run(TileScheduler& scheduler, const SharedPass& pass, const TileBody& body,
               const TileOutputs& outputs, const std::stop_token& stop);
+  /// Rows change hands. `record` knows audience, reads and the costs of this rank's rows. False: a
+  /// rank was lost.
+  bool trade(const RowTrade& trade, const RowOutputs& outputs, PassRecord record);
+  /// Every rank learns what each says. False: a rank was lost.
+  bool tell(const Rows& mine, std::vector<Rows>& all);
   const std::vector<PassRecord>& passes() const { return passes_; }
+  RankGroup& ranks() const { return ranks_; }
+  /// Processor time of everything that ran on a scheduler's threads, shared or not.
+  double body_ms() const { return body_ms_.load(); }
+  void add_body_ms(double took_ms) { body_ms_ += took_ms; }
 
  private:
   struct Own;
@@ -70,11 +93,14 @@ class FrameSharing {
                      std::size_t count, Own& own);
   bool exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
                 PassRecord& record, bool& stopped);
+  void pack_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record,
+                 std::vector<std::vector<std::byte>>& each);
 
   RankGroup& ranks_;
   Balance balance_;
   CostForecast& forecast_;
   std::uint64_t pass_ = 0;
+  std::atomic<double> body_ms_{0.0};
   std::vector<PassRecord> passes_;
 };
 

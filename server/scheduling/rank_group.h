@@ -46,6 +46,8 @@ class RankGroup {
   [[nodiscard]] virtual bool all_gather(const Bytes& mine, Gathered& all) = 0;
   /// Rank 0 alone gets it, into room made for it; the others' `all` is not touched.
   [[nodiscard]] virtual bool gather(const Bytes& mine, Gathered& all) = 0;
+  /// Rank r gets `to[r]` of every rank, its own too.
+  [[nodiscard]] virtual bool trade(const std::vector<Bytes>& to, Gathered& from) = 0;
   /// What rank 0 holds replaces what the others do. They wait for it however long it takes.
   [[nodiscard]] virtual bool broadcast(Bytes& bytes) = 0;
   /// Tickets 0, 1, 2, ... over all ranks together, anew from here on.

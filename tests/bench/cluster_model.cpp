@@ -72,15 +72,78 @@ std::vector<Share> shares_of(const PassRecord& pass, const ClusterSpec& spec, Ba
   return shares;
 }
 
+/// Equal bands: which one a row belongs to, and where it begins.
+scheduling::Rows band_of(std::size_t rank, int ranks, std::size_t height) {
+  const auto edge = [&](std::size_t k) {
+    return static_cast<int>(height * k / static_cast<std::size_t>(ranks));
+  };
+  return {edge(rank), edge(rank + 1)};
+}
+
+/// What one rank does of a step over rows, and the bytes that come to it from others.
+struct BandShare {
+  Share made;
+  double received = 0.0;
+};
+
+double bytes_of(const PassRecord& pass, const scheduling::Rows& rows) {
+  double bytes = 0.0;
+  for (int y = rows.begin; y < rows.end; ++y) bytes += pass.bytes[static_cast<std::size_t>(y)];
+  return bytes;
+}
+
+BandShare band_share(const PassRecord& pass, std::size_t rank, const ClusterSpec& spec) {
+  const auto height = static_cast<int>(pass.costs_ms.size());
+  const scheduling::Rows own = band_of(rank, spec.ranks, pass.costs_ms.size());
+  std::vector<std::uint32_t> rows;
+  for (int y = std::max(own.begin - pass.extra, 0); y < std::min(own.end + pass.extra, height); ++y)
+    rows.push_back(static_cast<std::uint32_t>(y));
+  if (own.count() == 0) rows.clear();
+  BandShare share{share_of(pass, rows, spec.threads), 0.0};
+  share.made.bytes = bytes_of(pass, own);
+  scheduling::Rows read;
+  for (int y = own.begin; y < own.end && !pass.reads.empty(); ++y)
+    read = span_of(read, pass.reads[static_cast<std::size_t>(y)]);
+  const bool reads_all = pass.audience == Audience::EveryRank || rank == 0;
+  if (pass.reads.empty() && reads_all) read = {0, height};
+  share.received = bytes_of(pass, read) - bytes_of(pass, common(read, own));
+  return share;
+}
+
+void add_rows(const PassRecord& pass, const ClusterSpec& spec, ModelledFrame& frame,
+              double& slowest, double& mean) {
+  Share most;
+  double cost = 0.0, received = 0.0, most_received = 0.0;
+  for (std::size_t rank = 0; rank < static_cast<std::size_t>(spec.ranks); ++rank) {
+    const BandShare share = band_share(pass, rank, spec);
+    most.cost_ms = std::max(most.cost_ms, share.made.cost_ms);
+    most.until_ms = std::max(most.until_ms, share.made.until_ms);
+    most.bytes = std::max(most.bytes, share.made.bytes);
+    most_received = std::max(most_received, share.received);
+    cost += share.made.cost_ms, received += share.received;
+  }
+  frame.tiles_ms += most.until_ms;
+  slowest += most.cost_ms, mean += cost / spec.ranks;
+  if (spec.ranks == 1) return;
+  const double steps = std::ceil(std::log2(spec.ranks));
+  frame.copy_ms += (std::min(most.bytes, most_received) + most_received) / spec.copied_bytes_per_ms;
+  frame.transfer_ms += 2.0 * steps * spec.latency_ms + most_received / spec.bytes_per_ms;
+  frame.comm_bytes += received;
+}
+
 }  // namespace
 
 ModelledFrame model_frame(const FrameTrace& trace, const ClusterSpec& spec, Balance balance) {
   ModelledFrame frame;
-  frame.alone_ms = trace.alone_ms;
+  frame.alone_ms = trace.alone_ms + trace.threaded_ms / spec.threads;
   const double ranks = spec.ranks;
   const double steps = std::ceil(std::log2(ranks));
   double slowest = 0.0, mean = 0.0;
   for (const PassRecord& pass : trace.passes) {
+    if (pass.over_rows) {
+      add_rows(pass, spec, frame, slowest, mean);
+      continue;
+    }
     const std::vector<Share> shares = shares_of(pass, spec, balance);
     Share most;
     double cost = 0.0, bytes = 0.0;

@@ -13,7 +13,8 @@ namespace macula::bench {
 /// One frame as one rank made it on one thread.
 struct FrameTrace {
   std::vector<scheduling::PassRecord> passes;
-  double alone_ms = 0.0;  ///< what every rank does for itself
+  double alone_ms = 0.0;     ///< what every rank does for itself, on one thread
+  double threaded_ms = 0.0;  ///< the same, on all threads of a rank
 };
 
 struct ClusterSpec {
@@ -26,7 +27,7 @@ struct ClusterSpec {
 struct ModelledFrame {
   double frame_ms = 0.0;
   double tiles_ms = 0.0;     ///< of the slowest rank of each pass
-  double alone_ms = 0.0;     ///< taken to run on one thread
+  double alone_ms = 0.0;     ///< what every rank does for itself
   double copy_ms = 0.0;      ///< into and out of messages
   double transfer_ms = 0.0;  ///< latencies and bytes on the links
   double comm_bytes = 0.0;   ///< that all links carry
@@ -35,7 +36,8 @@ struct ModelledFrame {
 
 /// Every rank has a link of its own. A pass ends when its slowest rank has: sizes go to rank 0 and
 /// back down a tree, then everybody gets everything (each link carries all others' bytes once), or
-/// rank 0 alone does.
+/// rank 0 alone does. A step over rows is split into equal bands; each rank gets the rows around
+/// its own that the next step reads.
 ModelledFrame model_frame(const FrameTrace& trace, const ClusterSpec& spec,
                           scheduling::Balance balance);
 

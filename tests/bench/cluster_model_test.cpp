@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace macula::bench {
 namespace {
 
@@ -16,7 +18,7 @@ FrameTrace even_tiles(Audience audience) {
   pass.expected.assign(64, 1.0F);
   pass.bytes.assign(64, 1000U);
   pass.audience = audience;
-  return {{pass}, 2.0};
+  return {{pass}, 2.0, 0.0};
 }
 
 TEST(ClusterModel, OneRankTakesTheTilesAndWhatIsAlone) {
@@ -52,6 +54,30 @@ TEST(ClusterModel, StripesWaitForTheCostlyPart) {
   EXPECT_GT(model_frame(trace, spec, Balance::Stripes).imbalance, 3.0);
   EXPECT_LE(model_frame(trace, spec, Balance::Predicted).imbalance, 1.02);
   EXPECT_LE(model_frame(trace, spec, Balance::Dynamic).imbalance, 1.1);
+}
+
+/// 64 rows of 1 ms, 1000 bytes each; the next step reads four to either side.
+TEST(ClusterModel, BandsOfRowsPayForTheRowsBesideThemAlone) {
+  FrameTrace trace = even_tiles(Audience::EveryRank);
+  scheduling::PassRecord& rows = trace.passes[0];
+  rows.over_rows = true;
+  for (int y = 0; y < 64; ++y) rows.reads.push_back({std::max(y - 4, 0), std::min(y + 5, 64)});
+  const ClusterSpec spec{8, 1, 0.1, 1000.0, 2000.0};
+  const ModelledFrame lent = model_frame(trace, spec, Balance::Predicted);
+  EXPECT_DOUBLE_EQ(lent.tiles_ms, 8.0);
+  EXPECT_DOUBLE_EQ(lent.comm_bytes, 7 * 2 * 4000.0);
+  EXPECT_DOUBLE_EQ(lent.copy_ms, (8000.0 + 8000.0) / 2000.0);
+  EXPECT_DOUBLE_EQ(lent.transfer_ms, 2 * 3 * 0.1 + 8000.0 / 1000.0);
+  rows.extra = 2;
+  EXPECT_DOUBLE_EQ(model_frame(trace, spec, Balance::Predicted).tiles_ms, 12.0);
+  rows.reads.clear();
+  EXPECT_DOUBLE_EQ(model_frame(trace, spec, Balance::Predicted).comm_bytes, 7 * 64000.0);
+}
+
+TEST(ClusterModel, WhatARankDoesAloneOnItsThreadsShrinksWithThem) {
+  FrameTrace trace = even_tiles(Audience::RankZero);
+  trace.threaded_ms = 16.0;
+  EXPECT_DOUBLE_EQ(model_frame(trace, {1, 4, 0.0, 1e12, 1e12}, Balance::Predicted).alone_ms, 6.0);
 }
 
 }  // namespace

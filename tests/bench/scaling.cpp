@@ -32,14 +32,24 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+/// Of rank 0's tiles and rows.
+double own_costs_ms(const SharedFrame& frame) {
+  double own = 0.0;
+  for (const scheduling::PassRecord& pass : frame.passes) own += pass.rank_costs_ms.front();
+  return own;
+}
+
 /// Of one rank's processor: what it did besides its own tiles and waiting.
 double alone_ms(const SharedFrame& frame) {
-  double own = 0.0, exchange = 0.0, packing = 0.0;
-  for (const scheduling::PassRecord& pass : frame.passes) {
-    own += pass.rank_costs_ms.front();
+  double exchange = 0.0, packing = 0.0;
+  for (const scheduling::PassRecord& pass : frame.passes)
     exchange += pass.exchange_cpu_ms, packing += pass.pack_ms;
-  }
-  return frame.cpu_ms - own - exchange - packing;
+  return frame.cpu_ms - own_costs_ms(frame) - exchange - packing;
+}
+
+/// The part of it that runs on all of a rank's threads.
+double threaded_ms(const SharedFrame& frame) {
+  return std::clamp(frame.threaded_ms - own_costs_ms(frame), 0.0, alone_ms(frame));
 }
 
 /// What a series of frames took, as rank 0 saw it.
@@ -54,7 +64,10 @@ struct Measured {
       mean += std::reduce(pass.rank_costs_ms.begin(), pass.rank_costs_ms.end()) / ranks;
       const bool everyone = pass.audience == scheduling::Audience::EveryRank;
       const auto all = static_cast<double>(pass.bytes_sent + pass.bytes_received);
-      bytes += everyone ? all * (ranks - 1) : static_cast<double>(pass.bytes_received);
+      // Of steps over rows, what rank 0 handed over and got; with two ranks, that is all.
+      bytes += pass.over_rows ? all
+               : everyone     ? all * (ranks - 1)
+                              : static_cast<double>(pass.bytes_received);
       packing += pass.pack_ms;
       packed_bytes += all;
     }
@@ -200,7 +213,7 @@ class Experiment {
     leader->watch([&](const SharedFrame& shared) {
       if (frame++ < options_.warm_up) return;
       measured_[{ranks, balance}].add(shared, ranks);
-      if (ranks == 1) traces_.push_back({shared.passes, alone_ms(shared)});
+      if (ranks == 1) add_trace(shared);
     });
     const cluster::RankedKernel kernel(setting.kernels().front(), 0, leader);
     const bool good = setting.render(kernel, gaze, options_.warm_up + options_.frames, scheduler_);
@@ -209,6 +222,10 @@ class Experiment {
     return good;
   }
 
+  void add_trace(const SharedFrame& frame) {
+    const double threaded = threaded_ms(frame);
+    traces_.push_back({frame.passes, alone_ms(frame) - threaded, threaded});
+  }
   Fields row(int ranks, int threads, Balance balance) const {
     return {{"kernel", workload_},
             {"scene", scene_},

@@ -3,6 +3,7 @@
 #include <mpi.h>
 #include <sched.h>
 
+#include <algorithm>
 #include <array>
 #include <climits>
 #include <mutex>
@@ -228,6 +229,25 @@ bool MpiRanks::gather(const Bytes& mine, Gathered& all) {
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Igatherv(mine.data(), count_of(mine.size()), MPI_BYTE, start_of(all), layout.counts.data(),
                layout.begins.data(), MPI_BYTE, 0, group_->comm, &request);
+  return group_->wait(request);
+}
+
+bool MpiRanks::trade(const std::vector<Bytes>& to, Gathered& from) {
+  if (group_->is_lost()) return false;
+  ++group_->meetings;
+  std::vector<std::uint64_t> sent, got(to.size());
+  std::vector<std::size_t> sizes;
+  for (const Bytes& part : to) sent.push_back(part.size()), sizes.push_back(part.size());
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Ialltoall(sent.data(), 1, MPI_UINT64_T, got.data(), 1, MPI_UINT64_T, group_->comm, &request);
+  if (!group_->wait(request)) return false;
+  Gathered parts(sizes);
+  for (std::size_t rank = 0; rank < to.size(); ++rank)
+    std::ranges::copy(to[rank], parts.of(rank).begin());
+  from = Gathered(std::vector<std::size_t>(got.begin(), got.end()));
+  const Layout out = layout_of(parts), in = layout_of(from);
+  MPI_Ialltoallv(start_of(parts), out.counts.data(), out.begins.data(), MPI_BYTE, start_of(from),
+                 in.counts.data(), in.begins.data(), MPI_BYTE, group_->comm, &request);
   return group_->wait(request);
 }
 

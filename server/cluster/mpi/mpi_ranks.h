@@ -24,6 +24,7 @@ class MpiRanks final : public scheduling::RankGroup {
   int size() const override;
   bool all_gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override;
   bool gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override;
+  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override;
   bool broadcast(scheduling::Bytes& bytes) override;
   void begin_tickets() override;
   std::size_t take_ticket() override;

@@ -29,6 +29,9 @@ bool MpiRanks::all_gather(const scheduling::Bytes&, scheduling::Gathered&) {
 bool MpiRanks::gather(const scheduling::Bytes&, scheduling::Gathered&) {
   return false;
 }
+bool MpiRanks::trade(const std::vector<scheduling::Bytes>&, scheduling::Gathered&) {
+  return false;
+}
 bool MpiRanks::broadcast(scheduling::Bytes&) {
   return false;
 }

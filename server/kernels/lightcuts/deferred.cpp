@@ -52,12 +52,13 @@ class Frame {
       : request_(request), scene_(scene), config_(config), scheduler_(scheduler), out_(out) {}
 
   FrameReport run(History& history) {
+    auto* last = dynamic_cast<LightHistory*>(history.record.get());
+    if (last != nullptr) surfaces_ = std::move(last->spare);
     trace();
     plan();
     if (!report_.stopped && config_.source != LightSource::Walks && perceived()) {
       low_ = draw_low(request_, scene_, config_, scheduler_, report_);
     }
-    auto* last = dynamic_cast<LightHistory*>(history.record.get());
     if (last != nullptr && last->views.size() != request_.views.size()) last = nullptr;
     auto kept = std::make_unique<LightHistory>();
     kept->views.resize(request_.views.size());
@@ -66,7 +67,7 @@ class Frame {
       light(v, last != nullptr ? &last->views[v] : nullptr, kept->views[v]);
       fill_sample_planes(out_.wanted, out_.views[v]);
     }
-    if (remembers() && !report_.stopped) keep(std::move(kept), history);
+    if (remembers() && !report_.stopped) keep(std::move(kept), last, history);
     return report_;
   }
 
@@ -101,14 +102,18 @@ class Frame {
     return {plan_.cut_nodes[v], config_.most_nodes, &plan_.maps[v].map,
             low_.empty() ? nullptr : &low_[v]};
   }
+  /// Reservoirs ask all over the picture, the denoiser in its band.
   void look(std::size_t v) {
-    eccentricity_.resize(surfaces_[v].width, surfaces_[v].height);
-    for (int y = 0; y < surfaces_[v].height; ++y) {
-      request_.foveation.eccentricity_row(v, y, eccentricity_.row(y));
-    }
+    const int height = surfaces_[v].height;
+    eccentricity_.resize(surfaces_[v].width, height);
+    scheduling::RowBands bands(scheduler_, height);
+    report_.stopped |=
+        bands.run(reservoirs() ? scheduling::Rows{0, height} : bands.own(), [&](int y) {
+          request_.foveation.eccentricity_row(v, y, eccentricity_.row(y));
+        }) == scheduling::Outcome::Stopped;
   }
 
-  void light(std::size_t v, const KeptView* last, KeptView& kept) {
+  void light(std::size_t v, KeptView* last, KeptView& kept) {
     const ViewSurfaces& view = surfaces_[v];
     if (reservoirs()) kept.reservoirs.resize(view.width, view.height);
     light_.resize(view.width, view.height);
@@ -125,9 +130,11 @@ class Frame {
         });
     for (const FrameReport& part : parts) report_ += part;
     report_.stopped |= outcome == scheduling::Outcome::Stopped;
-    if (!report_.stopped && denoises()) smooth(v, last, kept);
-    for (std::size_t k = 0; k < view.tiles.size() && !report_.stopped; ++k) deliver(v, k);
-    if (!report_.stopped && steadies()) steady(v, last, kept);
+    scheduling::RowBands bands(scheduler_, view.height);
+    if (!report_.stopped && denoises()) smooth(v, bands, last, kept);
+    if (!report_.stopped) deliver(v, bands);
+    if (!report_.stopped && steadies()) steady(v, bands, last, kept);
+    if (!report_.stopped) hand_over(v, bands);
   }
   /// A tile's work: the nodes its cells ask, and what every cell costs.
   std::vector<scheduling::TilePlace> places(std::size_t v, const CutPlan& plan) const {
@@ -164,71 +171,101 @@ class Frame {
   }
 
   /// Light over reflectance, so that textures stay sharp; a channel without any has no light.
-  void smooth(std::size_t v, const KeptView* last, KeptView& kept) {
+  void smooth(std::size_t v, const scheduling::RowBands& bands, KeptView* last, KeptView& kept) {
     const auto begin = std::chrono::steady_clock::now();
     constexpr float kLeast = 1e-3F;
-    const auto scale = [&](const auto& by) {
-      for (const SurfaceTile& tile : surfaces_[v].tiles) {
-        for (std::size_t i = 0; i < tile.points.count; ++i) {
-          const image::Pixel at = tile.pixel(i);
-          Rgb& light = light_(at.x, at.y);
-          if (!math::is_finite(light)) light = Rgb{0.0F};
-          light *= by(glm::max(tile.points.reflectors.reflectance[i], Rgb{kLeast}));
-        }
-      }
+    const auto scale = [&](const scheduling::Rows& rows, const auto& by) {
+      for_each_point(surfaces_[v], rows, scheduler_,
+                     [&](const SurfaceTile& tile, std::size_t i, const image::Pixel& at) {
+                       Rgb& light = light_(at.x, at.y);
+                       if (!math::is_finite(light)) light = Rgb{0.0F};
+                       light *= by(glm::max(tile.points.reflectors.reflectance[i], Rgb{kLeast}));
+                     });
     };
-    scale([](const Rgb& reflectance) { return Rgb{1.0F} / reflectance; });
+    scale({0, light_.height()}, [](const Rgb& reflectance) { return Rgb{1.0F} / reflectance; });
     const bool is_known = last != nullptr && last->memory.surfaces.width() > 0;
     const DenoiseJob job{request_.views[v], surfaces_[v], eccentricity_, plan_.cut_nodes[v],
                          is_known ? &last->memory : nullptr};
     report_.stopped |=
         denoise(job, scheduler_, light_, kept.memory) == scheduling::Outcome::Stopped;
-    scale([](const Rgb& reflectance) { return reflectance; });
+    scale(bands.own(), [](const Rgb& reflectance) { return reflectance; });
     report_.post_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
   }
 
   /// Radiance that is no number becomes black, and is counted.
-  void deliver(std::size_t v, std::size_t k) {
-    const SurfaceTile& tile = surfaces_[v].tiles[k];
-    for (std::size_t i = 0; i < tile.points.count; ++i) {
-      const image::Pixel at = tile.pixel(i);
-      Rgb& radiance = out_.views[v].radiance(at.x, at.y);
-      radiance += light_(at.x, at.y);
-      if (math::is_finite(radiance)) continue;
-      radiance = Rgb{0.0F};
-      ++report_.non_finite_samples;
-    }
+  void deliver(std::size_t v, const scheduling::RowBands& bands) {
+    not_finite_.assign(static_cast<std::size_t>(surfaces_[v].height), 0U);
+    const auto outcome =
+        for_each_point(surfaces_[v], bands.own(), scheduler_,
+                       [&](const SurfaceTile&, std::size_t, const image::Pixel& at) {
+                         Rgb& radiance = out_.views[v].radiance(at.x, at.y);
+                         radiance += light_(at.x, at.y);
+                         if (math::is_finite(radiance)) return;
+                         radiance = Rgb{0.0F};
+                         ++not_finite_[static_cast<std::size_t>(at.y)];
+                       });
+    report_.stopped |= outcome == scheduling::Outcome::Stopped;
+  }
+  /// The picture goes to rank 0, which counts.
+  void hand_over(std::size_t v, scheduling::RowBands& bands) {
+    ViewBuffers& view = out_.views[v];
+    const auto outcome = bands.gather(Audience::RankZero, [&](int y, Parcel& parcel) {
+      parcel.values(view.radiance.row(y));
+      parcel.value(not_finite_[static_cast<std::size_t>(y)]);
+    });
+    for (const std::uint32_t count : not_finite_) report_.non_finite_samples += count;
+    report_.stopped |= outcome == scheduling::Outcome::Stopped;
   }
 
-  void steady(std::size_t v, const KeptView* last, KeptView& kept) {
+  void steady(std::size_t v, scheduling::RowBands& bands, KeptView* last, KeptView& kept) {
     const auto begin = std::chrono::steady_clock::now();
     ViewBuffers& view = out_.views[v];
     Plane<float> inverse_depth(view.depth_m.width(), view.depth_m.height());
-    std::ranges::transform(view.depth_m.pixels(), inverse_depth.pixels().begin(),
-                           [](float depth) { return 1.0F / depth; });
+    const scheduling::Rows beside = bands.around(1);
+    bands.run(beside, [&](int y) {
+      std::ranges::transform(view.depth_m.row(y), inverse_depth.row(y).begin(),
+                             [](float depth) { return 1.0F / depth; });
+    });
+    bands.lend(1, [&](int y, Parcel& parcel) { parcel.values(view.radiance.row(y)); });
     kept.picture.world_from_view = request_.views[v].world_from_view;
     kept.picture.grid = request_.views[v].grid;
     const reconstruction::SteadyConfig settings;
     reconstruction::PictureJoin joined(last != nullptr ? &last->picture : nullptr, settings,
                                        view.radiance, inverse_depth, kept.picture);
     Plane<Rgb> shown(view.radiance.width(), view.radiance.height());
-    const auto rows = static_cast<std::size_t>(shown.height());
-    const auto prepared =
-        scheduler_.run(rows, [&](std::size_t y) { joined.prepare_row(static_cast<int>(y)); });
-    const auto outcome = scheduler_.run(rows, [&](std::size_t y) {
-      joined.join_row(static_cast<int>(y), shown.row(static_cast<int>(y)));
-    });
+    const auto prepared = bands.run(beside, [&](int y) { joined.prepare_row(y); });
+    if (bands.is_shared() && last != nullptr) fetch_picture(joined, bands, last->picture);
+    const auto outcome = bands.run(bands.own(), [&](int y) { joined.join_row(y, shown.row(y)); });
     report_.stopped |=
         prepared == scheduling::Outcome::Stopped || outcome == scheduling::Outcome::Stopped;
     view.radiance = std::move(shown);
     report_.post_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
   }
 
-  void keep(std::unique_ptr<LightHistory> kept, History& history) {
+  /// Rows of the last picture that this rank's look up.
+  void fetch_picture(reconstruction::PictureJoin& joined, scheduling::RowBands& bands,
+                     reconstruction::PictureMemory& last) {
+    const scheduling::Rows own = bands.own();
+    std::vector<scheduling::Rows> reads(static_cast<std::size_t>(own.count()));
+    bands.run(own, [&](int y) {
+      const auto [first, end] = joined.locate_row(y);
+      reads[static_cast<std::size_t>(y - own.begin)] = {first, end};
+    });
+    scheduling::RowBands then(scheduler_, last.roots.height());
+    const auto outcome = then.fetch(reads, [&](int y, Parcel& parcel) {
+      parcel.values(last.roots.row(y)), parcel.values(last.frames.row(y));
+    });
+    report_.stopped |= outcome == scheduling::Outcome::Stopped;
+  }
+
+  void keep(std::unique_ptr<LightHistory> kept, LightHistory* last, History& history) {
     for (std::size_t v = 0; v < surfaces_.size(); ++v) {
       kept->views[v].view = request_.views[v];
-      if (reservoirs()) kept->views[v].surfaces = std::move(surfaces_[v]);
+      if (!reservoirs()) continue;
+      kept->views[v].surfaces = std::move(surfaces_[v]);
+      if (last != nullptr) kept->spare.push_back(std::move(last->views[v].surfaces));
     }
+    if (!reservoirs()) kept->spare = std::move(surfaces_);
     history.record = std::move(kept);
   }
 
@@ -241,8 +278,9 @@ class Frame {
   std::vector<ViewSurfaces> surfaces_;
   LightPlan plan_;
   std::vector<LowPicture> low_;
-  Plane<float> eccentricity_;  ///< of the view at work, radians
-  Plane<Rgb> light_;           ///< its light, without what surfaces emit
+  Plane<float> eccentricity_;              ///< of the view at work, radians
+  Plane<Rgb> light_;                       ///< its light, without what surfaces emit
+  std::vector<std::uint32_t> not_finite_;  ///< by its rows
 };
 
 }  // namespace

@@ -1,7 +1,11 @@
 #include "server/kernels/lightcuts/denoiser.h"
 
+#include <array>
 #include <numbers>
 #include <utility>
+#include <vector>
+
+#include "server/scheduling/row_bands.h"
 
 namespace macula::kernels::lightcuts {
 namespace {
@@ -27,45 +31,56 @@ float passes(float eccentricity, float frames) {
 class Denoiser {
  public:
   Denoiser(const DenoiseJob& job, TileScheduler& scheduler, Plane<Rgb>& light, LightMemory& memory)
-      : job_(job), scheduler_(scheduler), light_(light), memory_(memory) {
-    const int width = light.width(), height = light.height();
+      : job_(job),
+        scheduler_(scheduler),
+        bands_(scheduler, light.height()),
+        seen_(bands_.around(reach_of(kMostPasses - 1))),
+        light_(light),
+        memory_(memory) {
     memory.world_from_view = job.view.world_from_view;
     memory.grid = job.view.grid;
-    memory.surfaces.resize(width, height);
-    for (LightPlanes* planes : {&memory.mean, &now_, &next_}) planes->resize(width, height);
-    reach_.resize(width, height), memory.fresh.resize(width, height);
+    for (LightPlanes* planes : {&memory.mean, &now_, &next_}) hold_seen(planes->all());
+    hold_seen(memory.surfaces.all());
+    hold_seen(std::array{&reach_, &memory.fresh});
   }
 
   scheduling::Outcome run() {
-    gather();
-    if (rows([&](int y) {
+    if (gather()) return kStopped;
+    if (bands_.run(bands_.around(kBoundRows + kJudgedRows + kFirstRows), [&](int y) {
           cut_spikes_row(memory_.surfaces, memory_.fresh, kEnoughSamples, now_, y, memory_.mean);
-        })) {
+        }) == kStopped) {
       return kStopped;
     }
     if (join()) return kStopped;
     if (smooth()) return kStopped;
-    deliver();
-    return scheduling::Outcome::Completed;
+    return deliver() ? kStopped : scheduling::Outcome::Completed;
   }
 
  private:
   static constexpr auto kStopped = scheduling::Outcome::Stopped;
+  /// Rows to either side that a step reads of the one before; the first of the smoothing passes,
+  /// judging, bounding.
+  static constexpr int kFirstRows = 2, kJudgedRows = 2, kBoundRows = 2;
+  static constexpr int reach_of(int pass) { return 2 << pass; }
 
-  void gather() {
+  template <class Planes>
+  void hold_seen(const Planes& planes) {
+    for (WidePlane* plane : planes)
+      plane->resize(light_.width(), light_.height(), seen_.begin, seen_.end);
+  }
+
+  /// True: stopped. So are the others.
+  bool gather() {
     const Vec3 eye(job_.view.world_from_view.position);
-    for (const SurfaceTile& tile : job_.surfaces.tiles) {
-      for (std::size_t i = 0; i < tile.points.count; ++i) {
-        const image::Pixel at = tile.pixel(i);
-        const Vec3 position = tile.points.position[i];
-        put(memory_.surfaces, at, position, tile.points.reflectors.shading[i],
-            glm::length(position - eye));
-        memory_.fresh.row(at.y)[at.x] = static_cast<float>(job_.samples(at.x, at.y));
-        const Rgb& light = light_(at.x, at.y);
-        now_.r.row(at.y)[at.x] = light.x, now_.g.row(at.y)[at.x] = light.y;
-        now_.b.row(at.y)[at.x] = light.z;
-      }
-    }
+    return each_point(seen_, [&](const SurfaceTile& tile, std::size_t i, const image::Pixel& at) {
+      const Vec3 position = tile.points.position[i];
+      put(memory_.surfaces, at, position, tile.points.reflectors.shading[i],
+          glm::length(position - eye));
+      memory_.fresh.row(at.y)[at.x] = static_cast<float>(job_.samples(at.x, at.y));
+      const Rgb& light = light_(at.x, at.y);
+      now_.r.row(at.y)[at.x] = light.x, now_.g.row(at.y)[at.x] = light.y;
+      now_.b.row(at.y)[at.x] = light.z;
+    });
   }
   static void put(SurfacePlanes& to, const image::Pixel& at, const Vec3& position,
                   const Vec3& normal, float distance_m) {
@@ -74,26 +89,54 @@ class Denoiser {
     to.normal_y.row(at.y)[at.x] = normal.y, to.normal_z.row(at.y)[at.x] = normal.z;
     to.distance_m.row(at.y)[at.x] = distance_m;
   }
+  template <class Body>
+  bool each_point(const scheduling::Rows& rows, const Body& body) {
+    return for_each_point(job_.surfaces, rows, scheduler_, body) == kStopped;
+  }
 
-  /// True: stopped. So are the others.
   bool join() {
     reconstruction::MemoryJoin joined(job_.last, kMemory, memory_);
-    return rows([&](int y) { joined.join_row(y); }) || rows([&](int y) { joined.bound_row(y); }) ||
-           rows([&](int y) { joined.judge_row(y); });
+    const scheduling::Rows first = bands_.around(kBoundRows + kJudgedRows + kFirstRows);
+    if (bands_.is_shared() && job_.last != nullptr && fetch(joined, first)) return true;
+    return bands_.run(first, [&](int y) { joined.join_row(y); }) == kStopped ||
+           bands_.run(bands_.around(kJudgedRows + kFirstRows),
+                      [&](int y) { joined.bound_row(y); }) == kStopped ||
+           bands_.run(bands_.around(kFirstRows), [&](int y) { joined.judge_row(y); }) == kStopped;
   }
+  /// What the last frame remembers where this rank's rows look it up.
+  bool fetch(reconstruction::MemoryJoin& joined, const scheduling::Rows& rows) {
+    std::vector<scheduling::Rows> reads(static_cast<std::size_t>(rows.count()));
+    bands_.run(rows, [&](int y) {
+      const auto [begin, end] = joined.locate_row(y);
+      reads[static_cast<std::size_t>(y - rows.begin)] = {begin, end};
+    });
+    scheduling::Rows all;
+    for (const scheduling::Rows& each : reads) all = span_of(all, each);
+    const auto planes = job_.last->all();
+    for (WidePlane* plane : planes) plane->widen(all.begin, all.end);
+    scheduling::RowBands then(scheduler_, job_.last->surfaces.height());
+    return then.fetch(reads, [&](int y, Parcel& parcel) {
+      for (WidePlane* plane : planes) carry_row(*plane, y, parcel);
+    }) == kStopped;
+  }
+  static void carry_row(WidePlane& plane, int y, Parcel& parcel) {
+    parcel.values(std::span(plane.row(y), static_cast<std::size_t>(plane.width())));
+  }
+
   bool smooth() {
-    for (int y = 0; y < light_.height(); ++y) {
+    bands_.run(bands_.own(), [&](int y) {
       for (int x = 0; x < light_.width(); ++x) {
         if (!(memory_.fresh.row(y)[x] > 0.0F)) continue;
         reach_.row(y)[x] = passes(job_.eccentricity(x, y), memory_.frames(x, y));
       }
-    }
+    });
     const LightPlanes* from = &memory_.mean;
     for (int pass = 0; pass < kMostPasses; ++pass) {
       const reconstruction::AtrousPass how{1 << pass};
-      if (rows([&](int y) {
+      if (pass > 0 && lend(reach_of(pass))) return true;
+      if (bands_.run(bands_.own(), [&](int y) {
             smooth_row(memory_.surfaces, reach_, static_cast<float>(pass), how, *from, y, next_);
-          })) {
+          }) == kStopped) {
         return true;
       }
       std::swap(now_, next_);
@@ -101,24 +144,21 @@ class Denoiser {
     }
     return false;
   }
-  void deliver() {
-    for (const SurfaceTile& tile : job_.surfaces.tiles) {
-      for (std::size_t i = 0; i < tile.points.count; ++i) {
-        const image::Pixel at = tile.pixel(i);
-        light_(at.x, at.y) = {now_.r.row(at.y)[at.x], now_.g.row(at.y)[at.x],
-                              now_.b.row(at.y)[at.x]};
-      }
-    }
+  bool lend(int reach) {
+    return bands_.lend(reach, [&](int y, Parcel& parcel) {
+      for (WidePlane* plane : now_.all()) carry_row(*plane, y, parcel);
+    }) == kStopped;
   }
-
-  template <class Body>
-  bool rows(const Body& body) {
-    return scheduler_.run(static_cast<std::size_t>(light_.height()),
-                          [&](std::size_t row) { body(static_cast<int>(row)); }) == kStopped;
+  bool deliver() {
+    return each_point(bands_.own(), [&](const SurfaceTile&, std::size_t, const image::Pixel& at) {
+      light_(at.x, at.y) = {now_.r.row(at.y)[at.x], now_.g.row(at.y)[at.x], now_.b.row(at.y)[at.x]};
+    });
   }
 
   const DenoiseJob& job_;
   TileScheduler& scheduler_;
+  scheduling::RowBands bands_;
+  scheduling::Rows seen_;  ///< that smoothing reads
   Plane<Rgb>& light_;
   LightMemory& memory_;
   LightPlanes now_, next_;

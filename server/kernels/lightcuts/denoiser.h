@@ -17,10 +17,11 @@ struct DenoiseJob {
   const ViewSurfaces& surfaces;
   const Plane<float>& eccentricity;     ///< radians
   const Plane<std::uint16_t>& samples;  ///< of each cell, >= 1
-  const LightMemory* last = nullptr;    ///< none: of this frame alone
+  LightMemory* last = nullptr;  ///< none: of this frame alone; rows that others made come here
 };
 /// `light`, linear, of the cells with a surface; others are left alone. `memory` is for the next
-/// frame.
+/// frame. Where the frame is shared, each rank needs all of the light and has the rows of its own
+/// band of it (RowBands), and of the memory, afterwards.
 scheduling::Outcome denoise(const DenoiseJob& job, TileScheduler& scheduler, Plane<Rgb>& light,
                             LightMemory& memory);
 

@@ -21,6 +21,8 @@ struct KeptView {
 };
 struct LightHistory : HistoryRecord {
   std::vector<KeptView> views;
+  /// For the next frame to write to: fresh memory would be made and cleared in every frame.
+  std::vector<ViewSurfaces> spare;
 };
 
 }  // namespace macula::kernels::lightcuts

@@ -9,6 +9,7 @@
 #include "server/kernels/lightcuts/other_light.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/guide.h"
+#include "server/scheduling/row_bands.h"
 #include "shared/math/hash.h"
 
 namespace macula::kernels::lightcuts {
@@ -77,6 +78,69 @@ std::vector<Plane<float>> low_luminance(const FrameRequest& request, const Scene
   return luminance;
 }
 
+/// `rows` of a plane.
+template <class T>
+Plane<T> part_of(const Plane<T>& plane, const scheduling::Rows& rows) {
+  if (plane.empty()) return {};
+  Plane<T> part(plane.width(), rows.count());
+  for (int y = rows.begin; y < rows.end; ++y)
+    std::ranges::copy(plane.row(y), part.row(y - rows.begin).begin());
+  return part;
+}
+
+/// The perception map of one view, in parts of a few rows.
+class MapRows {
+ public:
+  MapRows(const FoveationMap& acuity, std::size_t view, const ViewBuffers& surfaces,
+          const PerceptionConfig& config)
+      : acuity_(acuity), view_(view), surfaces_(surfaces), config_(config) {
+    for (Plane<float>* plane : {&made_.spatial, &made_.luminance, &made_.map})
+      plane->resize(width(), height());
+  }
+
+  scheduling::Outcome make(const Plane<float>& luminance, TileScheduler& scheduler) {
+    const SeenContrast seen = see_contrast(luminance, width(), height());
+    scheduling::RowBands bands(scheduler, height());
+    constexpr int kPart = 32;
+    const bool by_frame = config_.mode == PerceptionMode::Printed;
+    const auto outcome = bands.run_parts(
+        by_frame ? scheduling::Rows{0, height()} : bands.own(), by_frame ? height() : kPart,
+        [&](const scheduling::Rows& rows) { make_part(rows, seen); });
+    if (outcome == scheduling::Outcome::Stopped) return outcome;
+    return bands.gather(Audience::EveryRank,
+                        [&](int y, Parcel& parcel) { parcel.values(made_.map.row(y)); });
+  }
+  PerceptionMap take() { return std::move(made_); }
+
+ private:
+  int width() const { return surfaces_.radiance.width(); }
+  int height() const { return surfaces_.radiance.height(); }
+
+  void make_part(const scheduling::Rows& rows, const SeenContrast& seen) {
+    const scheduling::Rows beside{std::max(rows.begin - 1, 0), std::min(rows.end + 1, height())};
+    Plane<float> acuity(width(), beside.count());
+    for (int y = beside.begin; y < beside.end; ++y)
+      acuity_.samples_wanted_row(view_, y, acuity.row(y - beside.begin));
+    const Plane<float> at_rest, nothing;
+    const PerceptionMap part =
+        make_perception_map({acuity, part_of(surfaces_.normal, beside),
+                             part_of(surfaces_.albedo, beside), at_rest, nothing},
+                            seen, beside.begin, config_);
+    for (int y = rows.begin; y < rows.end; ++y) {
+      const int from = y - beside.begin;
+      std::ranges::copy(part.spatial.row(from), made_.spatial.row(y).begin());
+      std::ranges::copy(part.luminance.row(from), made_.luminance.row(y).begin());
+      std::ranges::copy(part.map.row(from), made_.map.row(y).begin());
+    }
+  }
+
+  const FoveationMap& acuity_;
+  std::size_t view_;
+  const ViewBuffers& surfaces_;
+  const PerceptionConfig& config_;
+  PerceptionMap made_;
+};
+
 }  // namespace
 
 LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
@@ -87,12 +151,12 @@ LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, cons
   const auto begin = std::chrono::steady_clock::now();
   foveation::RateModel model;
   model.curve = foveation::RateCurve::Lightcuts;  // the paper's acuity
-  const auto acuity = ray::acuity_of(request, model);
-  const Plane<float> at_rest;
+  const FoveationMap acuity = ray::acuity_map(request, model);
   for (std::size_t v = 0; v < request.views.size(); ++v) {
-    const ViewBuffers& view = surfaces.views[v];
-    plan.maps.push_back(make_perception_map(
-        {acuity[v], view.normal, view.albedo, at_rest, luminance[v]}, config.perception));
+    MapRows rows(acuity, v, surfaces.views[v], config.perception);
+    plan.report.stopped |= rows.make(luminance[v], scheduler) == scheduling::Outcome::Stopped;
+    if (plan.report.stopped) return plan;
+    plan.maps.push_back(rows.take());
     plan.cut_nodes.push_back(
         node_counts(plan.maps[v].map, config.most_nodes, config.mean_nodes).nodes);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "server/filters/filters.h"
 #include "shared/base/check.h"
@@ -38,9 +39,7 @@ Plane<T> cleaned(Plane<T> plane, std::uint64_t& not_finite) {
   return plane;
 }
 
-void raise(Plane<float>& feature, const Plane<float>& other, float scale) {
-  const auto from = other.pixels();
-  const auto to = feature.pixels();
+void raise(std::span<float> to, std::span<const float> from, float scale) {
   for (std::size_t i = 0; i < to.size(); ++i) {
     to[i] = std::max(to[i], std::clamp(scale * from[i], 0.0F, 1.0F));
   }
@@ -51,7 +50,8 @@ void raise_at_edges(Plane<float>& feature, const Plane<T>& plane, float scale,
                     std::uint64_t& not_finite) {
   if (plane.empty()) return;
   MACULA_CHECK(plane.rect() == feature.rect(), "planes of one view");
-  raise(feature, filters::sobel_length(cleaned(plane, not_finite)), scale);
+  const Plane<float> edges = filters::sobel_length(cleaned(plane, not_finite));
+  raise(feature.pixels(), edges.pixels(), scale);
 }
 
 /// What a few dozen light samples a pixel leave of chance would pass for contrast, above all in the
@@ -148,7 +148,24 @@ float share_of_samples(float feature, const PerceptionConfig& config) {
   return std::min(1.0F, std::pow(reference / width, config.gamma));
 }
 
+SeenContrast see_contrast(const Plane<float>& luminance, int width, int height) {
+  SeenContrast seen;
+  if (luminance.empty() || width == 0 || height == 0) return seen;
+  const Plane<float> fine = fine_contrast(cleaned(luminance, seen.not_finite));
+  seen.contrast = filters::resize_bicubic(fine, width, height);
+  return seen;
+}
+
 PerceptionMap make_perception_map(const PerceptionInputs& inputs, const PerceptionConfig& config) {
+  const SeenContrast seen =
+      see_contrast(inputs.luminance, inputs.acuity.width(), inputs.acuity.height());
+  PerceptionMap made = make_perception_map(inputs, seen, 0, config);
+  made.not_finite += seen.not_finite;
+  return made;
+}
+
+PerceptionMap make_perception_map(const PerceptionInputs& inputs, const SeenContrast& seen,
+                                  int first, const PerceptionConfig& config) {
   MACULA_CHECK(!std::isnan(config.alpha) && config.gamma > 0.0F);
   PerceptionMap made;
   Plane<float> acuity = cleaned(inputs.acuity, made.not_finite);
@@ -158,18 +175,16 @@ PerceptionMap make_perception_map(const PerceptionInputs& inputs, const Percepti
   raise_at_edges(made.spatial, inputs.albedo, config.contrast * kAlbedoScale, made.not_finite);
   raise_at_edges(made.spatial, inputs.speed, config.contrast * kSpeedScale, made.not_finite);
   made.luminance = std::move(acuity);
-  if (!inputs.luminance.empty() && !made.luminance.empty()) {
-    const Plane<float> contrast = fine_contrast(cleaned(inputs.luminance, made.not_finite));
-    raise(made.luminance,
-          filters::resize_bicubic(contrast, made.luminance.width(), made.luminance.height()),
-          config.contrast);
+  if (!seen.contrast.empty()) {
+    for (int y = 0; y < made.luminance.height(); ++y)
+      raise(made.luminance.row(y), seen.contrast.row(first + y), config.contrast);
   }
   if (config.mode == PerceptionMode::Printed) {
     made.map = printed_map(made, config.alpha);
     return made;
   }
   made.map = made.spatial;
-  raise(made.map, made.luminance, 1.0F);
+  raise(made.map.pixels(), made.luminance.pixels(), 1.0F);
   for (float& value : made.map.pixels()) value = share_of_samples(value, config);
   return made;
 }

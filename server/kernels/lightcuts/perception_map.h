@@ -51,6 +51,18 @@ struct PerceptionMap {
 };
 PerceptionMap make_perception_map(const PerceptionInputs& inputs, const PerceptionConfig& config);
 
+/// The same in two steps, so that the second can go over parts of a picture: the contrast of the
+/// whole, and the map of inputs that have the picture's rows from `first` on. Its first and last
+/// rows are right only where they are the picture's. Printed takes the whole. `luminance` is not
+/// read.
+struct SeenContrast {
+  Plane<float> contrast;         ///< [0, 1], of the map's size; empty: none
+  std::uint64_t not_finite = 0;  ///< as in PerceptionMap
+};
+SeenContrast see_contrast(const Plane<float>& luminance, int width, int height);
+PerceptionMap make_perception_map(const PerceptionInputs& inputs, const SeenContrast& seen,
+                                  int first, const PerceptionConfig& config);
+
 /// Share of samples for one feature value by any mode but Printed; never falls in M, never rises in
 /// alpha.
 float share_of_samples(float feature, const PerceptionConfig& config);

@@ -9,6 +9,7 @@
 #include "server/kernels/parcels.h"
 #include "server/kernels/ray/lighting.h"
 #include "server/kernels/ray/tile.h"
+#include "server/scheduling/row_bands.h"
 
 namespace macula::kernels::lightcuts {
 
@@ -57,6 +58,25 @@ struct ViewSurfaces {
     return {&tile.points, point};
   }
 };
+
+/// body(tile, point, pixel) for every point in these rows, tiles on the scheduler's threads.
+template <class Body>
+scheduling::Outcome for_each_point(const ViewSurfaces& view, const scheduling::Rows& rows,
+                                   TileScheduler& scheduler, const Body& body) {
+  if (rows.count() == 0 || view.columns == 0) return scheduling::Outcome::Completed;
+  const int first = rows.begin / ray::kTileSide, last = (rows.end - 1) / ray::kTileSide;
+  const auto columns = static_cast<std::size_t>(view.columns);
+  return scheduler.run(static_cast<std::size_t>(last - first + 1), [&](std::size_t k) {
+    for (std::size_t column = 0; column < columns; ++column) {
+      const SurfaceTile& tile =
+          view.tiles[(static_cast<std::size_t>(first) + k) * columns + column];
+      for (std::size_t i = 0; i < tile.points.count; ++i) {
+        const image::Pixel at = tile.pixel(i);
+        if (at.y >= rows.begin && at.y < rows.end) body(tile, i, at);
+      }
+    }
+  });
+}
 
 /// Traces the centre (or, jittered, one random point) of every cell. Writes to prepared buffers:
 /// radiance is what shines at the eye by itself; the guides that are wanted. Keeps memory.

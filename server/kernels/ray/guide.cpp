@@ -39,14 +39,18 @@ FrameBuffers trace_surfaces(const FrameRequest& request, const SceneFrame& scene
   return buffers;
 }
 
-std::vector<image::Plane<float>> acuity_of(const FrameRequest& request,
-                                           const foveation::RateModel& model) {
+FoveationMap acuity_map(const FrameRequest& request, const foveation::RateModel& model) {
   std::vector<FoveationMap::ViewInput> inputs;
   for (std::size_t v = 0; v < request.views.size(); ++v) {
     inputs.push_back(request.foveation.view(v));
     inputs.back().grid = request.views[v].grid;
   }
-  const FoveationMap map(std::move(inputs), model);
+  return FoveationMap(std::move(inputs), model);
+}
+
+std::vector<image::Plane<float>> acuity_of(const FrameRequest& request,
+                                           const foveation::RateModel& model) {
+  const FoveationMap map = acuity_map(request, model);
   std::vector<image::Plane<float>> acuity;
   for (std::size_t v = 0; v < request.views.size(); ++v) {
     const PixelGrid& grid = request.views[v].grid;

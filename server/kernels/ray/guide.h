@@ -18,9 +18,11 @@ FrameBuffers trace_surfaces(const FrameRequest& request, const SceneFrame& scene
                             const Config& config, unsigned wanted, TileScheduler& scheduler,
                             FrameReport& report);
 
-/// Rate of `model` times the area of each cell in nominal pixels, by view: a cell that stands for
-/// many pixels deserves what all of them do. On request.views, whose grids may be thinner than
-/// those of request.foveation; gazes and nominal pixels are that one's.
+/// samples_wanted_row(): rate of `model` times the area of each cell in nominal pixels, by view: a
+/// cell that stands for many pixels deserves what all of them do. On request.views, whose grids may
+/// be thinner than those of request.foveation; gazes and nominal pixels are that one's.
+FoveationMap acuity_map(const FrameRequest& request, const foveation::RateModel& model);
+/// All of it.
 std::vector<image::Plane<float>> acuity_of(const FrameRequest& request,
                                            const foveation::RateModel& model);
 

@@ -184,17 +184,15 @@ void average_important(const ViewBuffers& planes, unsigned wanted, TileScheduler
 
 void fill_unimportant(const PixelGrid& grid, const PixelGrid& mid_grid,
                       const Plane<std::uint8_t>& important, const MidLevel& mid, unsigned wanted,
-                      TileScheduler& scheduler, ViewBuffers& planes) {
+                      scheduling::RowBands& bands, ViewBuffers& planes) {
   Filler filler(grid, mid_grid, important, mid, wanted, planes);
-  scheduler.run(static_cast<std::size_t>(grid.height()),
-                [&](std::size_t row) { filler.fill_row(static_cast<int>(row)); });
+  bands.run(bands.around(1), [&](int y) { filler.fill_row(y); });
 }
 
-void soften_transitions(const Plane<std::uint8_t>& important, TileScheduler& scheduler,
+void soften_transitions(const Plane<std::uint8_t>& important, scheduling::RowBands& bands,
                         Plane<Rgb>& radiance) {
   const Plane<Rgb> sharp = radiance;
-  scheduler.run(static_cast<std::size_t>(radiance.height()), [&](std::size_t row) {
-    const int y = static_cast<int>(row);
+  bands.run(bands.own(), [&](int y) {
     for (int x = 0; x < radiance.width(); ++x)
       if (is_transition(important, x, y)) radiance(x, y) = blurred(sharp, x, y);
   });

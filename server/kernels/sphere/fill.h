@@ -5,6 +5,7 @@
 #include "server/kernels/kernel.h"
 #include "server/kernels/sphere/config.h"
 #include "server/kernels/sphere/levels.h"
+#include "server/scheduling/row_bands.h"
 
 namespace macula::kernels::sphere {
 
@@ -13,14 +14,15 @@ namespace macula::kernels::sphere {
 void average_important(const ViewBuffers& planes, unsigned wanted, TileScheduler& scheduler,
                        MidLevel& mid);
 
-/// Draws every cell that is not important.
+/// Draws every cell of these bands that is not important, and of the rows beside them, which
+/// softening reads.
 void fill_unimportant(const PixelGrid& grid, const PixelGrid& mid_grid,
                       const Plane<std::uint8_t>& important, const MidLevel& mid, unsigned wanted,
-                      TileScheduler& scheduler, ViewBuffers& planes);
+                      scheduling::RowBands& bands, ViewBuffers& planes);
 
 /// Transition::Gaussian: 3 x 3 Gaussian (sigma about 0.85 cells) over cells that have a neighbour
 /// of the other importance, outside the fovea's interior.
-void soften_transitions(const Plane<std::uint8_t>& important, TileScheduler& scheduler,
+void soften_transitions(const Plane<std::uint8_t>& important, scheduling::RowBands& bands,
                         Plane<Rgb>& radiance);
 
 }  // namespace macula::kernels::sphere

@@ -174,6 +174,15 @@ FrameReport report_of(const sdf::TraceCounts& counts, const ShadeWork& shading) 
   return report;
 }
 
+/// Of the tiles that ranks share: about as many on a coarse level as on a fine one, and small
+/// enough that ranks finish together.
+int shared_side(const PixelGrid& grid) {
+  constexpr int kAcross = 16, kLeastSide = 16;
+  int side = sdf::kBlockSide;
+  while (side > kLeastSide && grid.width() < kAcross * side) side /= 2;
+  return side;
+}
+
 class ViewRun {
  public:
   ViewRun(const ViewContext& context, TileScheduler& scheduler, ViewBuffers& out)
@@ -226,7 +235,7 @@ void ViewRun::run_tiles(const PixelGrid& grid, const Plane<std::uint8_t>* mask, 
                         Begin begin, Tile trace_tile, Outputs outputs) {
   if (report_.stopped) return;
   const std::vector<image::Rect> tiles =
-      tiles_of(grid, scheduler_.sharing() == nullptr ? sdf::kTileSide : sdf::kBlockSide);
+      tiles_of(grid, scheduler_.sharing() == nullptr ? sdf::kTileSide : shared_side(grid));
   std::vector<sdf::TraceCounts> counts(tiles.size());
   std::vector<ShadeWork> shading(tiles.size());
   const auto run_tile = [&](std::size_t i) {
@@ -447,9 +456,14 @@ void ViewRun::foveated(const ViewHistory* last, ViewHistory& now) {
   Plane<std::uint8_t> finished = important;
   if (std::isfinite(config.detail)) trace_detail(mid, finished);
   if (report_.stopped) return;
-  fill_unimportant(view.grid, now.mid_grid, finished, mid, context_.wanted, scheduler_, out_);
+  scheduling::RowBands bands(scheduler_, view.grid.height());
+  fill_unimportant(view.grid, now.mid_grid, finished, mid, context_.wanted, bands, out_);
   if (config.transition == Transition::Gaussian)
-    soften_transitions(important, scheduler_, out_.radiance);
+    soften_transitions(important, bands, out_.radiance);
+  const auto outcome = bands.gather(Audience::RankZero, [&](int y, Parcel& parcel) {
+    kernels::carry(out_, image::Rect{0, y, view.grid.width(), 1}, parcel);
+  });
+  report_.stopped = report_.stopped || outcome == Outcome::Stopped;
 }
 
 }  // namespace

@@ -24,6 +24,9 @@ class Swapping final : public scheduling::RankGroup {
   bool gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
     return ranks_->gather(mine, all) && swap(all);
   }
+  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override {
+    return ranks_->trade(to, from) && swap(from);
+  }
   bool broadcast(scheduling::Bytes& bytes) override { return ranks_->broadcast(bytes); }
   void begin_tickets() override { ranks_->begin_tickets(); }
   std::size_t take_ticket() override { return ranks_->take_ticket(); }

@@ -2,6 +2,7 @@
 // be tested without MPI and under sanitizers. A message may be tampered with on its way.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <barrier>
 #include <cstring>
@@ -20,10 +21,11 @@ using Tamper = std::function<void(int rank, int call, std::span<std::byte> messa
 /// What the threads share.
 struct Meeting {
   explicit Meeting(int ranks)
-      : size(ranks), barrier(ranks), given(static_cast<std::size_t>(ranks)) {}
+      : size(ranks), barrier(ranks), given(static_cast<std::size_t>(ranks)), traded(given.size()) {}
   int size;
   std::barrier<> barrier;
   std::vector<const scheduling::Bytes*> given;
+  std::vector<const std::vector<scheduling::Bytes>*> traded;
   std::atomic<std::size_t> tickets{0};
   std::atomic<std::uint64_t> stopped{0};  ///< pass
   Tamper tamper;
@@ -42,6 +44,22 @@ class ThreadRanks final : public scheduling::RankGroup {
   }
   bool gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
     meet(mine, rank_ == 0 ? &all : nullptr);
+    return true;
+  }
+  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override {
+    const auto own = static_cast<std::size_t>(rank_);
+    meeting_->traded[own] = &to;
+    meeting_->barrier.arrive_and_wait();
+    std::vector<std::size_t> sizes;
+    for (const auto* parts : meeting_->traded) sizes.push_back((*parts)[own].size());
+    from = scheduling::Gathered(sizes);
+    for (std::size_t other = 0; other < sizes.size(); ++other) {
+      std::ranges::copy((*meeting_->traded[other])[own], from.of(other).begin());
+      if (rank_ == 0 && other != 0 && meeting_->tamper)
+        meeting_->tamper(static_cast<int>(other), calls_, from.of(other));
+    }
+    ++calls_;
+    meeting_->barrier.arrive_and_wait();
     return true;
   }
   bool broadcast(scheduling::Bytes& bytes) override {

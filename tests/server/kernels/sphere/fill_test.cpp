@@ -42,8 +42,9 @@ TEST(Fill, WhatIsAffineOverThePictureIsFilledExactly) {
     const auto inverse = [](const Vec2& t) { return 0.5F + 0.01F * t.x; };
     ViewBuffers planes = planes_of(grid);
     TileScheduler scheduler(1);
+    scheduling::RowBands bands(scheduler, side);
     fill_unimportant(grid, mid_grid, Plane<std::uint8_t>(side, side, 0),
-                     mid_level(mid_grid, colour, inverse), 0, scheduler, planes);
+                     mid_level(mid_grid, colour, inverse), 0, bands, planes);
     for (int y = 2; y + 2 < side; ++y) {  // the border repeats its samples
       for (int x = 2; x + 2 < side; ++x) {
         EXPECT_NEAR(planes.radiance(x, y).x, colour(grid.tangent(x, y)).x, 1e-5F);
@@ -63,7 +64,8 @@ TEST(Fill, NoDepthLiesBetweenTwoSurfaces) {
       [](const Vec2& t) { return t.x < 0.0F ? 0.5F : (t.y < 0.0F ? 0.1F : 0.0F); });
   ViewBuffers planes = planes_of(grid);
   TileScheduler scheduler(1);
-  fill_unimportant(grid, mid_grid, Plane<std::uint8_t>(24, 24, 0), mid, 0, scheduler, planes);
+  scheduling::RowBands bands(scheduler, 24);
+  fill_unimportant(grid, mid_grid, Plane<std::uint8_t>(24, 24, 0), mid, 0, bands, planes);
   for (const float depth : planes.depth_m.pixels())
     EXPECT_TRUE(std::abs(depth - 2.0F) < 1e-4F || std::abs(depth - 10.0F) < 1e-3F ||
                 std::isinf(depth))
@@ -79,11 +81,12 @@ TEST(Fill, ImportantCellsAreLeftAlone) {
   planes.radiance(3, 4) = Rgb{7.0F};
   const PixelGrid mid_grid = coarsen(grid, kMidSide);
   TileScheduler scheduler(1);
+  scheduling::RowBands bands(scheduler, 8);
   fill_unimportant(
       grid, mid_grid, important,
       mid_level(
           mid_grid, [](const Vec2&) { return Rgb{1.0F}; }, [](const Vec2&) { return 1.0F; }),
-      0, scheduler, planes);
+      0, bands, planes);
   EXPECT_EQ(planes.radiance(3, 4), Rgb{7.0F});
   EXPECT_EQ(planes.radiance(3, 5), Rgb{1.0F});
 }
@@ -116,7 +119,8 @@ TEST(Fill, BlurTouchesOnlyWhereImportanceChanges) {
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 8; ++x) radiance(x, y) = Rgb{1.0F};
   TileScheduler scheduler(1);
-  soften_transitions(important, scheduler, radiance);
+  scheduling::RowBands bands(scheduler, 16);
+  soften_transitions(important, bands, radiance);
   EXPECT_EQ(radiance(6, 8), Rgb{1.0F});
   EXPECT_EQ(radiance(7, 8), Rgb{0.75F});
   EXPECT_EQ(radiance(8, 8), Rgb{0.25F});
