@@ -32,6 +32,10 @@ Run declare_culling(CLI::App& command, Pace pace) {
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20))
       ->option_text("K,... (256,512,1024,2048,4096)");
+  command
+      .add_option("--knobs", options->knobs,
+                  "Settings of the kernel, turned for every method; a wrong one lists them")
+      ->option_text("\"name=value ...\"");
   command.add_option("--side", options->side_px, "Of the picture, pixels")
       ->check(CLI::Range(32, 4096))
       ->option_text("N (1024)");

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "server/kernels/culling/knobs.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/guide.h"
 #include "server/kernels/ray/tile.h"
@@ -30,11 +31,6 @@ using kernels::culling::StageTimes;
 using scheduling::TileScheduler;
 
 constexpr std::uint64_t kSeed = 1;
-
-struct Row {
-  std::string scene, motion, method;
-  int kept = 0;
-};
 
 /// One frame, what it cost, and where the time went.
 struct Rendered {
@@ -138,6 +134,12 @@ Plane<float> encoded_luma(const image::Tone& tone, const Plane<Rgb>& radiance,
   return metrics::luma(display_encoded(tone, listed));
 }
 
+Result<void> turn_knobs(const std::string& knobs, Config& config) {
+  const auto values = kernels::parse_knobs(knobs);
+  if (!values) return forward(values);
+  return kernels::culling::turn_knobs(*values, config);
+}
+
 /// One scene in one motion: its references, and the methods against them.
 class Comparison {
  public:
@@ -211,7 +213,8 @@ class Comparison {
   }
 
   Result<Fields> measure_session(const CullingMethod& method, int kept) {
-    const Config config = culling_config(method, kept);
+    Config config = culling_config(method, kept);
+    if (auto ok = turn_knobs(options_.knobs, config); !ok) return forward(ok);
     Session session(setting_, config, scheduler_);
     Rendered mean;
     std::vector<Plane<float>> luma;
@@ -325,6 +328,7 @@ Fields config_of(const CullingOptions& options) {
           {"reference_samples", std::int64_t{options.reference_samples}},
           {"warm_up", std::int64_t{options.warm_up}},
           {"frames", std::int64_t{options.frames}},
+          {"knobs", options.knobs},
           {"threads", std::int64_t{options.threads}}};
 }
 
@@ -367,6 +371,8 @@ void make_quick(CullingOptions& options) {
 Result<void> run_culling(const CullingOptions& options) {
   const auto rows = wanted(options);
   if (!rows) return forward(rows);
+  Config any;
+  if (auto ok = turn_knobs(options.knobs, any); !ok) return ok;
   Report report{"culling", config_of(options), {}};
   if (!options.json.empty()) {
     auto known = read_rows(options.json, report);

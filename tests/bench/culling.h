@@ -19,6 +19,7 @@ struct CullingOptions {
   int warm_up = 8;             ///< frames that are not measured
   int frames = 4;              ///< frames that are timed; the last is judged
   int threads = 0;             ///< 0: all the machine has
+  std::string knobs;           ///< of the kernel, turned for every method; "name=value ..."
   std::string references;      ///< folder; empty: ~/.cache/macula-bench
   std::string pictures;        ///< folder for the judged pictures; empty: none
   std::string json;            ///< rows that it holds already are not measured again; empty: none
