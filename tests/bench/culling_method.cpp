@@ -59,6 +59,7 @@ constexpr std::array kMethods{
                     c.asked = 8;
                     c.classes = 4;
                     c.space = Space::Thinned;
+                    c.picture_frames = 8;
                   }},
     CullingMethod{"fir", "foveated instant radiosity: lights from the camera",
                   [](Config& c) {
@@ -107,6 +108,7 @@ Config culling_config(const CullingMethod& method, int kept) {
   config.ray.footprints = kernels::ray::Footprints::Points;  // as the reference's
   config.classes = 16, config.asked = 0, config.space = Space::Cells;
   config.kept = kept;
+  config.picture_frames = 1;
   config.importance.acuity.inner = CullingSetting::fovea();
   method.set(config);
   return config;

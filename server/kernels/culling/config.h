@@ -59,7 +59,7 @@ struct Config {
   Route route = Route::Culling;
   KeptBy kept_by = KeptBy::Contribution;
   CullWeights weights = CullWeights::Unbiased;
-  int shading_points = 64;  ///< N_s >= 1, over all views
+  int shading_points = 128;  ///< N_s >= 1, over all views
   PointDraw points = PointDraw::Systematic;
   int chain_length = 16;  ///< PointDraw::PrintedChain
   Hiding hiding = Hiding::Rays;
@@ -91,6 +91,9 @@ struct Config {
   /// Mode Fast: weight of a new frame in what is remembered of indirect light, (0, 1]; 1: nothing
   /// is.
   float newest = 0.25F;
+  /// Mode Fast: frames, with samples at other places of every cell, that a picture is the mean of
+  /// at most; 1: of its own alone.
+  int picture_frames = 8;
 };
 
 Config make_config(const KernelOptions& options);

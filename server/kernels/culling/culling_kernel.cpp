@@ -5,6 +5,7 @@
 #include "server/kernels/culling/keep_lights.h"
 #include "server/kernels/culling/light_cuts.h"
 #include "server/kernels/culling/stage_clock.h"
+#include "server/kernels/culling/steady_picture.h"
 #include "server/kernels/culling/texel_light.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/full.h"
@@ -86,6 +87,9 @@ class Calming {
                 std::move(light)};
     }
     memory.views = std::move(now);
+    const bool steady = config_.picture_frames > 1 && !report.stopped;
+    memory.pictures = steady ? join_pictures(memory.pictures, out, report)
+                             : std::vector<reconstruction::PictureMemory>{};
     return report;
   }
 
@@ -101,6 +105,19 @@ class Calming {
                                 config_.blur_reach, buffers, scheduler_, light);
     }
     return light;
+  }
+
+  std::vector<reconstruction::PictureMemory> join_pictures(
+      std::span<const reconstruction::PictureMemory> last, FrameBuffers& out,
+      FrameReport& report) const {
+    std::vector<reconstruction::PictureMemory> now(request_.views.size());
+    const bool remembers = last.size() == now.size();
+    for (std::size_t v = 0; v < now.size() && !report.stopped; ++v) {
+      report.stopped =
+          steady_picture(request_.views[v], remembers ? &last[v] : nullptr, config_.picture_frames,
+                         scheduler_, out.views[v], now[v]) == scheduling::Outcome::Stopped;
+    }
+    return now;
   }
 
   const FrameRequest& request_;
@@ -129,6 +146,9 @@ std::vector<std::string> shortcuts(const SceneFrame& scene, const Config& config
   if (config.blur_reach > 0)
     taken.emplace_back("cells share their area, ambient and indirect light with neighbours");
   if (config.newest < 1.0F) taken.emplace_back("these are averaged over frames");
+  if (config.picture_frames > 1)
+    taken.emplace_back(
+        base::concat("the picture is averaged over ", config.picture_frames, " frames"));
   return taken;
 }
 

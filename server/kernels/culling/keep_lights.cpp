@@ -53,14 +53,27 @@ double half_extent(std::span<const VirtualPointLight> lights) {
   return 0.5 * glm::length(box.size());
 }
 
-/// Visibility as the last frames found it, the newest counting a quarter.
-void remember_visibility(std::vector<float>& known, std::vector<float>& visible) {
-  constexpr float kNewest = 0.25F;
-  if (known.size() == visible.size()) {
-    for (std::size_t i = 0; i < known.size(); ++i)
-      visible[i] = std::lerp(known[i], visible[i], kNewest);
+std::size_t cells_of(const FrameRequest& request) {
+  std::size_t cells = 0;
+  for (const View& view : request.views)
+    cells +=
+        static_cast<std::size_t>(view.grid.width()) * static_cast<std::size_t>(view.grid.height());
+  return cells;
+}
+
+/// Few shading points a frame, many over time. Pictures of quite another size had points elsewhere.
+void remember_brought(std::size_t cells, std::vector<float>& brought, CullingHistory& memory) {
+  constexpr int kMostFrames = 4;
+  const bool alike = cells <= 2 * memory.brought_cells && memory.brought_cells <= 2 * cells;
+  const bool known = alike && memory.brought.size() == brought.size();
+  memory.brought_cells = cells;
+  memory.brought_frames = known ? std::min(memory.brought_frames + 1, kMostFrames) : 1;
+  if (known) {
+    const float newest = 1.0F / static_cast<float>(memory.brought_frames);
+    for (std::size_t i = 0; i < brought.size(); ++i)
+      brought[i] = std::lerp(memory.brought[i], brought[i], newest);
   }
-  known = visible;
+  memory.brought = brought;
 }
 
 bool all_diffuse(const SceneFrame& scene, const Config& config) {
@@ -105,9 +118,10 @@ std::vector<float> what_each_brings(const FrameRequest& request, const SceneFram
   all.stages.contribution_ms = clock.lap_ms();
   all.report.shadow_rays += found.rays;
   all.report.stopped = all.report.stopped || found.stopped;
-  if (!exact) remember_visibility(memory.visible, found.visible);
-  for (std::size_t i = 0; i < found.visible.size(); ++i) found.unhidden[i] *= found.visible[i];
-  return std::move(found.unhidden);
+  std::vector<float> brought = std::move(found.unhidden);
+  for (std::size_t i = 0; i < brought.size(); ++i) brought[i] *= found.visible[i];
+  if (!exact) remember_brought(cells_of(request), brought, memory);
+  return brought;
 }
 
 void keep_some(const FrameRequest& request, const SceneFrame& scene, const Config& config,

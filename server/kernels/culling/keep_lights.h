@@ -5,6 +5,7 @@
 
 #include "server/kernels/culling/culling_kernel.h"
 #include "server/kernels/culling/smoothing.h"
+#include "server/reconstruction/picture_memory.h"
 
 namespace macula::kernels::culling {
 
@@ -12,7 +13,10 @@ namespace macula::kernels::culling {
 /// or goes.
 struct CullingHistory final : HistoryRecord {
   std::vector<ViewMemory> views;
-  std::vector<float> visible;  ///< share of each light that points received, over the last frames
+  std::vector<reconstruction::PictureMemory> pictures;  ///< by view; none: none is remembered
+  std::vector<float> brought;      ///< by each light to shading points, mean over the last frames
+  int brought_frames = 0;          ///< that it is the mean of
+  std::size_t brought_cells = 0;   ///< of the last frame's views
   std::size_t made = 0, kept = 0;  ///< virtual lights of the last frame
   StageTimes stages;               ///< of the last frame
 };

@@ -53,6 +53,10 @@ constexpr std::array kKnobs{
     CullingKnob{
         "map", "1 to 1024",
         [](Config& c, std::string_view value) { return turn_number(c.map_side, value, 1, 1024); }},
+    CullingKnob{"by-flux", "0 to 1",
+                [](Config& c, std::string_view value) {
+                  return turn_number(c.by_flux, value, 0.0F, 1.0F);
+                }},
     CullingKnob{"hiding", "rays, lamp-maps, nothing", turn_hiding},
     CullingKnob{"space", "cells, thinned, log-polar", turn_space},
     CullingKnob{"classes", "1, 4, 9, 16, 25, 36, 49, 64", turn_classes},
@@ -66,6 +70,10 @@ constexpr std::array kKnobs{
     CullingKnob{
         "blur", "0 to 16 cells",
         [](Config& c, std::string_view value) { return turn_number(c.blur_reach, value, 0, 16); }},
+    CullingKnob{"picture", "1 to 64 frames",
+                [](Config& c, std::string_view value) {
+                  return turn_number(c.picture_frames, value, 1, 64);
+                }},
     CullingKnob{"newest", "0.01 to 1",
                 [](Config& c, std::string_view value) {
                   return turn_number(c.newest, value, 0.01F, 1.0F);

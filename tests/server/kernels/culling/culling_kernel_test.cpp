@@ -131,7 +131,9 @@ TEST(CullingKernel, RecoversFromABlackPictureWithinTwoFrames) {
   for (int i = 0; i < 8; ++i) settled = total(session.next(*scene, view).radiance);
   auto& memory = dynamic_cast<CullingHistory&>(*session.history().record);
   for (Rgb& value : memory.views.front().light.pixels()) value = Rgb{0.0F};
-  std::ranges::fill(memory.visible, 0.0F);
+  for (auto& root : memory.pictures.front().roots.pixels()) root = {};
+  for (float& frames : memory.pictures.front().frames.pixels()) frames = 1.0F;  // a first one
+  std::ranges::fill(memory.brought, 0.0F);
   session.next(*scene, view);
   EXPECT_NEAR(total(session.next(*scene, view).radiance), settled, 0.1 * settled);
 }
