@@ -338,13 +338,25 @@ HWY_INLINE HWY_ATTR FloatVec luminance_of(const RowReader& read) {
                     hn::MulAdd(green, read(kEmission + 1), hn::Mul(blue, read(kEmission + 2))));
 }
 
+/// Intensities as shares of the brightest light's; the dimmest keep a chance.
+struct Shares {
+  static constexpr float kLeast = std::numeric_limits<float>::min();
+  float scale;
+
+  explicit Shares(const PlacedLightTable& table)
+      : scale(1.0F / std::max(table.brightest, kLeast)) {}
+  HWY_INLINE HWY_ATTR FloatVec of(FloatVec intensity) const {
+    const Floats d;
+    return hn::Max(hn::Mul(hn::Set(d, scale), intensity), hn::Set(d, kLeast));
+  }
+};
+
 /// Lights that shine everywhere are points: their places say it all.
 HWY_INLINE HWY_ATTR void place_points(const PlacedLightTable& table, const LaneLights& lights,
                                       NodeBlock& out) {
   const Floats d;
   const Ints di;
-  const auto scale = hn::Set(d, 1.0F / table.brightest);
-  const auto least = hn::Set(d, std::numeric_limits<float>::min());
+  const Shares shares(table);
   for (std::size_t lane = 0; lane < NodeBlock::kNodes; lane += hn::Lanes(d)) {
     const auto light = hn::Load(di, lights.at + lane);
     const auto shines = hn::RebindMask(d, hn::Gt(light, hn::Set(di, LaneLights::kNobody)));
@@ -355,8 +367,7 @@ HWY_INLINE HWY_ATTR void place_points(const PlacedLightTable& table, const LaneL
     for (float* half : {out.half_x, out.half_y, out.half_z}) {
       hn::Store(hn::Zero(d), d, half + lane);
     }
-    hn::Store(hn::IfThenElseZero(shines, hn::Max(hn::Mul(scale, read(3)), least)), d,
-              out.intensity + lane);
+    hn::Store(hn::IfThenElseZero(shines, shares.of(read(3))), d, out.intensity + lane);
   }
 }
 
@@ -364,8 +375,7 @@ HWY_INLINE HWY_ATTR void place_rows(const PlacedLightTable& table, const LaneLig
                                     NodeBlock& out) {
   const Floats d;
   const Ints di;
-  const auto scale = hn::Set(d, 1.0F / table.brightest);
-  const auto least = hn::Set(d, std::numeric_limits<float>::min());
+  const Shares shares(table);
   for (std::size_t lane = 0; lane < NodeBlock::kNodes; lane += hn::Lanes(d)) {
     const auto light = hn::Load(di, lights.at + lane);
     const auto shines = hn::RebindMask(d, hn::Gt(light, hn::Set(di, LaneLights::kNobody)));
@@ -378,8 +388,7 @@ HWY_INLINE HWY_ATTR void place_rows(const PlacedLightTable& table, const LaneLig
     put_cone(read, kind, out, lane);
     const auto emitted = luminance_of(read);
     const auto intensity = hn::IfThenElse(kind.triangle, hn::Mul(area, emitted), emitted);
-    hn::Store(hn::IfThenElseZero(shines, hn::Max(hn::Mul(scale, intensity), least)), d,
-              out.intensity + lane);
+    hn::Store(hn::IfThenElseZero(shines, shares.of(intensity)), d, out.intensity + lane);
   }
 }
 
