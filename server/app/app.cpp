@@ -13,6 +13,7 @@
 #include "server/exporter/exporter.h"
 #include "server/kernels/registry.h"
 #include "server/kernels/scene_timeline.h"
+#include "server/kernels/vpl/virtual_lights.h"
 #include "server/scene/load.h"
 #include "server/scene/plan.h"
 #include "server/session/recording.h"
@@ -268,12 +269,29 @@ std::shared_ptr<cluster::Leader> make_leader(const Options& options, const Ranks
   return ranks ? std::make_shared<cluster::Leader>(ranks, balance_of(options)) : nullptr;
 }
 
+/// With bounced light where it was asked for. Every rank finds the same by itself.
+Result<std::shared_ptr<kernels::SceneTimeline>> make_timeline(const Options& options,
+                                                              const PlannedScene& planned) {
+  if (options.bounced_rays == 0) return kernels::SceneTimeline::create(planned.scene, planned.plan);
+  if (planned.kernel.kernel != "lightcuts") {
+    return base::bad_input(base::concat("kernel '", planned.kernel.kernel, "' asks no such lights"),
+                           "--bounced-rays", "kernel lightcuts, or 0");
+  }
+  const auto scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
+  const auto rays = static_cast<std::size_t>(options.bounced_rays);
+  return kernels::SceneTimeline::create(
+      planned.scene, planned.plan, [scheduler, rays](const kernels::SceneFrame& frame) {
+        const kernels::vpl::Config config = kernels::vpl::shared_out(frame, rays);
+        return kernels::vpl::make_virtual_lights(frame, config, *scheduler).lights;
+      });
+}
+
 /// Makes a recording's frames again; the same scene, kernel and options give the same bytes.
 Result<void> replay_scene(const Options& options, const PlannedScene& planned, Prepared prepared) {
   const Ladder& ladder = prepared.ladder;
   const auto recording = session::load_recording(options.replay);
   if (!recording) return base::forward(recording);
-  auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
+  auto timeline = make_timeline(options, planned);
   if (!timeline) return base::forward(timeline);
   const session::ServerConfig config = server_config(options, planned, ladder);
   if (recording->description != config.description)
@@ -297,7 +315,7 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned, Pr
   const base::SteadyClock clock;
   auto endpoint = open_endpoint(options, clock);
   if (!endpoint) return base::forward(endpoint);
-  auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
+  auto timeline = make_timeline(options, planned);
   if (!timeline) return base::forward(timeline);
   session::ServerParts parts;
   parts.endpoint = std::move(*endpoint);
@@ -336,7 +354,7 @@ Result<void> serve_scene(const Options& options, const PlannedScene& planned, Pr
 /// A rank that is not the first: makes what that one orders until it ends.
 Result<void> follow_scene(const Options& options, const PlannedScene& planned,
                           const Prepared& prepared, cluster::MpiRanks& ranks, StopSignal& stop) {
-  auto timeline = kernels::SceneTimeline::create(planned.scene, planned.plan);
+  auto timeline = make_timeline(options, planned);
   if (!timeline) return base::forward(timeline);
   scheduling::TileScheduler scheduler(options.threads);
   stop.serving();  // signals are rank 0's to answer; it will say when to end

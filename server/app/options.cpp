@@ -98,6 +98,12 @@ void declare(CLI::App& app, Options& options) {
                "Kernel ray: trace as densely as --rate-model asks, remember the other cells");
   app.add_flag("--perceived-lights", options.perceived_lights,
                "Kernel lightcuts: as many lights as the eye would see the difference, up to 48");
+  app.add_option(
+         "--bounced-rays", options.bounced_rays,
+         "Kernel lightcuts: rays from the lamps for light that surfaces reflect once, each a "
+         "virtual light at most, such as 120000; 0 = none. Anew whenever the scene moves")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
   app.add_option("--record", options.record,
                  "File for what arrives and when, to make the same frames again");
   app.add_option("--report", options.report,
@@ -232,8 +238,8 @@ std::string describe(const Options& o) {
        << "\nrank_timeout_ms = " << o.rank_timeout_ms
        << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
-       << "\nmetrics = " << quoted(o.metrics) << "\nverbose = " << (o.verbose ? "true" : "false")
-       << '\n';
+       << "\nbounced_rays = " << o.bounced_rays << "\nmetrics = " << quoted(o.metrics)
+       << "\nverbose = " << (o.verbose ? "true" : "false") << '\n';
   return std::move(text).str();
 }
 

@@ -35,6 +35,7 @@ struct Options {
   int rank_timeout_ms = 5000;         ///< a rank that lags so far behind the others is lost
   bool reuse = false;  ///< kernel ray takes cells from earlier frames where they still hold
   bool perceived_lights = false;  ///< kernel lightcuts asks as many lights as the eye would see
+  int bounced_rays = 0;           ///< kernel lightcuts: virtual lights made of so many; 0: none
   std::string record;             ///< file that what arrives is written to; empty: none
   std::string report;             ///< folder for what became of each frame; empty: nowhere
   std::string replay;             ///< recording to make again instead of serving; empty: serve

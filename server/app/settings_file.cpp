@@ -82,6 +82,7 @@ constexpr std::array kKeys{
     Key{"rank_timeout_ms", apply<&Options::rank_timeout_ms>},
     Key{"reuse", apply<&Options::reuse>},
     Key{"perceived_lights", apply<&Options::perceived_lights>},
+    Key{"bounced_rays", apply<&Options::bounced_rays>},
     Key{"metrics", apply<&Options::metrics>},
     Key{"verbose", apply<&Options::verbose>},
 };

@@ -82,9 +82,10 @@ bool forces_motion(const ScenePlan& plan) {
 }  // namespace
 
 Result<std::shared_ptr<SceneTimeline>> SceneTimeline::create(
-    std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan) {
+    std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan, BouncedLight bounced) {
   MACULA_CHECK(scene != nullptr);
-  std::shared_ptr<SceneTimeline> made(new SceneTimeline(std::move(scene), plan));
+  std::shared_ptr<SceneTimeline> made(
+      new SceneTimeline(std::move(scene), plan, std::move(bounced)));
   if (const auto built = made->build(); !built) return base::forward(built);
   return made;
 }
@@ -96,12 +97,14 @@ Result<std::shared_ptr<SceneTimeline>> SceneTimeline::create(
   return create(std::move(scene), plan);
 }
 
-SceneTimeline::SceneTimeline(std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan)
+SceneTimeline::SceneTimeline(std::shared_ptr<const scene::Scene> scene, const ScenePlan& plan,
+                             BouncedLight bounced)
     : still_(std::make_shared<const SceneFrame::Still>(
           SceneFrame::Still{scene, plan, shading::MaterialTable(*scene, material_options(plan)),
                             environment_of(*scene, plan)})),
       moving_(planned_motion(*scene, plan)),
       relighting_(planned_relighting(*scene, plan, moving_)),
+      bounced_(std::move(bounced)),
       moves_(!moving_.none() || forces_motion(plan) ||
              plan.use(Step::MovingLights) == StepUse::Forced) {}
 
@@ -124,10 +127,8 @@ Result<void> SceneTimeline::build() {
   first->triangles_ = std::move(triangles);
   // The copied table still looks at the shapes of the pose it was made of.
   first->surfaces_.move(scene(), scene::moving_parts(scene()).instances, first->pose_);
-  if (still_->plan.has(Step::LightTree)) {
-    first->placed_lights_ = lights::PlacedLights(first->lights_);
-  }
   first->field_rays_ = field_rays(scene(), still_->plan, {});
+  place_lights(*first);
   if (moves_) {
     pattern_ = std::move(first);
   } else {
@@ -168,14 +169,23 @@ Result<void> SceneTimeline::move(SceneFrame& frame, SceneTime time) {
   scene::repose(scene(), moving_, time, frame.pose_);
   frame.surfaces_.move(scene(), moving_.instances, frame.pose_);
   frame.lights_.move(scene(), relighting_, frame.pose_, still_->materials);
-  if (still_->plan.has(Step::LightTree) && !relighting_.none()) {
-    frame.placed_lights_.make(frame.lights_);
-  }
   if (scene().field != nullptr && scene().field->moves()) {
     frame.field_rays_ = field_rays(scene(), still_->plan, time);
   }
-  if (frame.own_triangles_ == nullptr) return {};
-  return moving_triangles_->move(*frame.own_triangles_, frame.pose_);
+  if (frame.own_triangles_ != nullptr) {
+    auto moved = moving_triangles_->move(*frame.own_triangles_, frame.pose_);
+    if (!moved) return moved;
+  }
+  if (bounced_ || !relighting_.none()) place_lights(frame);
+  return {};
+}
+
+/// Last: bounced light asks everything else of the frame.
+void SceneTimeline::place_lights(SceneFrame& frame) const {
+  if (!still_->plan.has(Step::LightTree)) return;
+  const std::vector<lights::VirtualPointLight> bounced =
+      bounced_ ? bounced_(frame) : std::vector<lights::VirtualPointLight>{};
+  frame.placed_lights_.make(frame.lights_, bounced);
 }
 
 /// Read-only from here on; whoever reads it last puts it back.

@@ -4,6 +4,7 @@
 // is one frame for all times. The same time gives the same frame whichever came before.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -13,11 +14,17 @@
 
 namespace macula::kernels {
 
+/// What surfaces of a moment reflect of its lamps' light: a pure function of the frame, which has
+/// everything but these lights. Called by one thread at a time; must not ask the timeline.
+using BouncedLight = std::function<std::vector<lights::VirtualPointLight>(const SceneFrame&)>;
+
 class SceneTimeline {
  public:
   /// Builds what stands still, on all cores. Errors: those of visibility::TriangleScene::create.
+  /// With `bounced`, every moment's light tree holds its virtual lights behind the lamps.
   static Result<std::shared_ptr<SceneTimeline>> create(std::shared_ptr<const scene::Scene> scene,
-                                                       const scene::ScenePlan& plan);
+                                                       const scene::ScenePlan& plan,
+                                                       BouncedLight bounced = {});
   /// By the scene's own plan.
   static Result<std::shared_ptr<SceneTimeline>> create(std::shared_ptr<const scene::Scene> scene);
 
@@ -40,16 +47,19 @@ class SceneTimeline {
     std::vector<Frame> idle;
   };
 
-  SceneTimeline(std::shared_ptr<const scene::Scene> scene, const scene::ScenePlan& plan);
+  SceneTimeline(std::shared_ptr<const scene::Scene> scene, const scene::ScenePlan& plan,
+                BouncedLight bounced);
   Result<void> build();
   Result<Frame> new_frame();
   Result<Frame> idle_or_new_frame();
   Result<void> move(SceneFrame& frame, SceneTime time);
+  void place_lights(SceneFrame& frame) const;
   std::shared_ptr<const SceneFrame> share(Frame frame);
 
   std::shared_ptr<const SceneFrame::Still> still_;
   scene::MovingParts moving_;      ///< as far as the plan lets it
   scene::MovingParts relighting_;  ///< what the light list follows
+  BouncedLight bounced_;           ///< none: lamps alone
   bool moves_ = false;
 
   mutable std::mutex mutex_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/kernels/registry.h"
+#include "server/kernels/vpl/virtual_lights.h"
 #include "server/scene/load.h"
 #include "shared/image/regions.h"
 #include "tests/bench/lit_scene.h"
@@ -44,16 +45,38 @@ Plane<Rgb> mean_picture(const LightcutsSetting& setting, int nodes, int passes, 
   return mean;
 }
 
+/// A scene's name, and whether its surfaces' light is asked for as well.
+struct Named {
+  std::string scene;
+  bool bounced = false;
+};
+Named named(const std::string& name) {
+  constexpr std::string_view kBounced = "-vpl";
+  if (!name.ends_with(kBounced)) return {name, false};
+  return {name.substr(0, name.size() - kBounced.size()), true};
+}
+
+/// As many virtual lights as the paper's fifth scene has, but for rays that meet nothing.
+kernels::BouncedLight bounced_light(TileScheduler& scheduler) {
+  constexpr std::size_t kRays = 120'000;
+  return [&scheduler](const kernels::SceneFrame& frame) {
+    const kernels::vpl::Config config = kernels::vpl::shared_out(frame, kRays);
+    return kernels::vpl::make_virtual_lights(frame, config, scheduler).lights;
+  };
+}
+
 }  // namespace
 
 Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool half,
                                                 TileScheduler& scheduler) {
-  const auto loaded = scene::load_scene(name);
+  const auto [scene_name, bounced] = named(name);
+  const auto loaded = scene::load_scene(scene_name);
   if (!loaded) return base::forward(loaded);
   if (auto ok = kernels::check_scene("lightcuts", **loaded); !ok) return base::forward(ok);
   const scene::SceneFacts facts = scene::facts_of(**loaded);
   auto timeline =
-      kernels::SceneTimeline::create(*loaded, scene::ScenePlan(facts, {.kernel = "lightcuts"}));
+      kernels::SceneTimeline::create(*loaded, scene::ScenePlan(facts, {.kernel = "lightcuts"}),
+                                     bounced ? bounced_light(scheduler) : kernels::BouncedLight{});
   if (!timeline) return base::forward(timeline);
   auto frame = (*timeline)->at({});
   if (!frame) return base::forward(frame);

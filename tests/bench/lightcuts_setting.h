@@ -21,7 +21,8 @@ struct LightcutsSetting {
   std::size_t lights = 0;  ///< in the tree
 
   /// 720 x 850 pixels (or half of that) of equal sides, tangents of +- 1.1 across; exposure brings
-  /// the mean to middle grey.
+  /// the mean to middle grey. A name that ends in -vpl: the scene with 120,000 virtual lights, or
+  /// fewer where rays meet nothing; `scheduler` must then outlive the setting.
   static Result<LightcutsSetting> make(const std::string& scene, bool half,
                                        scheduling::TileScheduler& scheduler);
   /// A head that sways, and what moves in the scene, to and fro: every kSwing-th frame is the one

@@ -1,6 +1,7 @@
 #include "server/kernels/vpl/virtual_lights.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <span>
 
@@ -148,6 +149,15 @@ class StreamRun {
 };
 
 }  // namespace
+
+Config shared_out(const SceneFrame& scene, std::size_t rays) {
+  const lights::LightList& lamps = scene.lights();
+  const std::size_t maps = lamps.punctual().size() + (lamps.emissive().empty() ? 0 : 1);
+  const double share =
+      static_cast<double>(rays) / static_cast<double>(std::max<std::size_t>(maps, 1));
+  const int side = static_cast<int>(std::sqrt(share));
+  return {side, side};
+}
 
 VirtualLights make_virtual_lights(const SceneFrame& scene, const Config& config,
                                   TileScheduler& scheduler) {

@@ -21,6 +21,9 @@ struct Config {
   std::uint64_t seed = 0;
 };
 
+/// `rays` rays in all, or fewer: as many for every punctual light, and for all emissive triangles.
+Config shared_out(const SceneFrame& scene, std::size_t rays);
+
 struct VirtualLights {
   /// In the order of lights, emissive triangles last, and of their rays; only those that shine.
   std::vector<lights::VirtualPointLight> lights;

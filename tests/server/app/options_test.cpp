@@ -121,6 +121,12 @@ TEST(Options, LightsArePerceivedOnlyWhereThatWasAskedFor) {
   EXPECT_TRUE(parsed({"--perceived-lights"}).perceived_lights);
 }
 
+TEST(Options, LightIsBouncedOnlyWhereThatWasAskedFor) {
+  EXPECT_EQ(parsed({}).bounced_rays, 0);
+  EXPECT_EQ(parsed({"--bounced-rays", "120000"}).bounced_rays, 120'000);
+  EXPECT_FALSE(parse({"--bounced-rays", "-1"}));
+}
+
 TEST(Options, HelpShowsOptionsAndExamples) {
   const auto help = parse({"--help"});
   ASSERT_TRUE(help);
