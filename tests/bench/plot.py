@@ -218,6 +218,15 @@ def knob_lines(points):
     return {name: line for name, line in lines.items() if name not in ("grid", "jpeg", "depth")}
 
 
+def front(points):
+    """Those that no other beats in both, by rising time."""
+    best, kept = math.inf, []
+    for point in sorted(points):
+        if point[1] < best:
+            best, kept = point[1], kept + [point]
+    return kept
+
+
 def matters(point):
     return any(abs(math.log(value)) > 0.08 for value in point)
 
@@ -228,15 +237,11 @@ def tradeoff_curves(rows, folder):
         here = select(rows, kernel=kernel)
         figure, axis = plt.subplots(figsize=(9, 5.5))
         points = over_default(here)
-        uniform = sorted(point for config, point in points.items() if select(here, config=config)[0]["uniform"])
-        axis.plot(*zip(*uniform), "--", color="0.6", label="whole pictures, uniform")
+        uniform = [point for config, point in points.items() if select(here, config=config)[0]["uniform"]]
+        axis.plot(*zip(*front(uniform)), "--", color="0.6", label="whole pictures, uniform")
         foveated = [(config, point) for config, point in points.items()
                     if not select(here, config=config)[0]["uniform"]]
-        best, front = math.inf, []
-        for _, point in sorted(foveated, key=lambda entry: entry[1]):
-            if point[1] < best:
-                best, front = point[1], front + [point]
-        axis.plot(*zip(*front), "-", color="black", linewidth=1, label="front")
+        axis.plot(*zip(*front(point for _, point in foveated)), "-", color="black", linewidth=1, label="front")
         axis.plot(*zip(*(point for _, point in foveated)), ".", color="0.8", zorder=0)
         markers = "os^vDPX*<>ph"
         lines = sorted(knob_lines(dict(foveated)).items())
