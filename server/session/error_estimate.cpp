@@ -16,7 +16,7 @@ namespace {
 
 /// Pixels are looked at in squares, so that neighbours' rays go together: so many pixels and so
 /// many squares along each axis.
-constexpr int kSquare = 2, kSquares = 9;
+constexpr std::size_t kSquare = 2, kSquares = 9;
 /// Cells a pixel along an axis of the two pictures. Unlike, since a kernel's samples may lie at
 /// fixed places of a cell.
 constexpr int kFirstFiner = 2, kSecondFiner = 3;
@@ -36,9 +36,9 @@ double weight_of(const Gaze& gaze, const Vec3& ray, const Vec2& footprint) {
 // ---- which pixels ----
 
 /// Along one axis of the display.
-struct Square {
-  int first = 0, end = 0;  ///< pixels
-  double chance = 0.0;     ///< of being looked at, (0, 1]
+struct ChosenPixel {
+  int at = 0;
+  double chance = 0.0;  ///< of being looked at, (0, 1]
 };
 
 /// Chances proportional to `wishes` but at most 1, which add up to `count`.
@@ -60,32 +60,26 @@ std::vector<double> chances_of(std::span<const double> wishes, double count) {
 }
 
 /// Systematic sampling from `start` in [0, 1): every square by exactly its chance.
-std::vector<Square> choose(std::span<const double> pixel_weights, double start) {
-  std::vector<Square> all;
-  std::vector<double> wishes;
-  const int pixels = static_cast<int>(pixel_weights.size());
-  for (int first = 0; first < pixels; first += kSquare) {
-    all.push_back({first, std::min(first + kSquare, pixels), 0.0});
-    wishes.push_back(0.0);
-    for (int i = first; i < all.back().end; ++i)
-      wishes.back() += pixel_weights[static_cast<std::size_t>(i)];
-  }
-  const double count = std::min(kSquares, static_cast<int>(all.size()));
-  const std::vector<double> chances = chances_of(wishes, count);
-  std::vector<Square> chosen;
+std::vector<ChosenPixel> choose(std::span<const double> weights, double start) {
+  std::vector<double> wishes((weights.size() + kSquare - 1) / kSquare, 0.0);
+  for (std::size_t i = 0; i < weights.size(); ++i) wishes[i / kSquare] += weights[i];
+  const std::vector<double> chances =
+      chances_of(wishes, static_cast<double>(std::min(kSquares, wishes.size())));
+  std::vector<ChosenPixel> chosen;
   double passed = start;
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  for (std::size_t square = 0; square < chances.size(); ++square) {
     const double before = passed;
-    passed += chances[i];
+    passed += chances[square];
     if (std::floor(passed) == std::floor(before)) continue;
-    all[i].chance = chances[i];
-    chosen.push_back(all[i]);
+    const std::size_t end = std::min((square + 1) * kSquare, weights.size());
+    for (std::size_t i = square * kSquare; i < end; ++i)
+      chosen.push_back({static_cast<int>(i), chances[square]});
   }
   return chosen;
 }
 
 struct Spots {
-  std::vector<Square> columns, rows;
+  std::vector<ChosenPixel> columns, rows;
 };
 
 Spots choose_spots(const FrameToJudge& frame, const PixelGrid& raster) {
@@ -116,22 +110,19 @@ struct Axis {
   std::vector<int> first_cell;  ///< of each chosen pixel, in order
 };
 
-Axis cells_of(std::span<const Square> squares, const std::vector<float>& pixel_edges, int finer) {
+Axis cells_of(std::span<const ChosenPixel> pixels, const std::vector<float>& pixel_edges,
+              int finer) {
   Axis axis;
   int end = -1;  // of the pixels so far
-  for (const Square& square : squares) {
-    if (square.first != end)
-      axis.edges.push_back(pixel_edges[static_cast<std::size_t>(square.first)]);
-    for (int pixel = square.first; pixel < square.end; ++pixel) {
-      axis.first_cell.push_back(static_cast<int>(axis.edges.size()) - 1);
-      const float low = pixel_edges[static_cast<std::size_t>(pixel)];
-      const float high = pixel_edges[static_cast<std::size_t>(pixel) + 1];
-      for (int k = 1; k < finer; ++k)
-        axis.edges.push_back(low +
-                             (high - low) * static_cast<float>(k) / static_cast<float>(finer));
-      axis.edges.push_back(high);
-    }
-    end = square.end;
+  for (const ChosenPixel& pixel : pixels) {
+    const auto at = static_cast<std::size_t>(pixel.at);
+    const float low = pixel_edges[at], high = pixel_edges[at + 1];
+    if (pixel.at != end) axis.edges.push_back(low);
+    axis.first_cell.push_back(static_cast<int>(axis.edges.size()) - 1);
+    for (int k = 1; k < finer; ++k)
+      axis.edges.push_back(low + (high - low) * static_cast<float>(k) / static_cast<float>(finer));
+    axis.edges.push_back(high);
+    end = pixel.at + 1;
   }
   return axis;
 }
@@ -196,24 +187,19 @@ std::optional<SpotError> spot_error(const kernels::Kernel& reference,
   const auto second = render(kSecondFiner, frame.seed ^ kOtherSeed);
   if (!first || !second) return std::nullopt;
   SpotError error;
-  int j = 0;
-  for (const Square& rows : spots.rows) {
-    for (int y = rows.first; y < rows.end; ++y, ++j) {
-      int i = 0;
-      for (const Square& columns : spots.columns) {
-        for (int x = columns.first; x < columns.end; ++x, ++i) {
-          const auto place = frame.view.grid.locate(raster.tangent(x, y));
-          if (!place) continue;
-          const Rgb own = image::display_linear(frame.view.tone, image::bilinear(shown, *place));
-          const double weight =
-              weight_of(frame.view.gaze, raster.ray(x, y), raster.footprint(x, y)) /
-              (columns.chance * rows.chance);
-          error.squares +=
-              weight * static_cast<double>(glm::dot(own - (*first)(i, j), own - (*second)(i, j))) /
-              3.0;
-          error.weight += weight;
-        }
-      }
+  for (int j = 0; j < first->height(); ++j) {
+    const ChosenPixel& row = spots.rows[static_cast<std::size_t>(j)];
+    for (int i = 0; i < first->width(); ++i) {
+      const ChosenPixel& column = spots.columns[static_cast<std::size_t>(i)];
+      const auto place = frame.view.grid.locate(raster.tangent(column.at, row.at));
+      if (!place) continue;
+      const Rgb own = image::display_linear(frame.view.tone, image::bilinear(shown, *place));
+      const double weight = weight_of(frame.view.gaze, raster.ray(column.at, row.at),
+                                      raster.footprint(column.at, row.at)) /
+                            (column.chance * row.chance);
+      error.squares +=
+          weight * static_cast<double>(glm::dot(own - (*first)(i, j), own - (*second)(i, j))) / 3.0;
+      error.weight += weight;
     }
   }
   return error;

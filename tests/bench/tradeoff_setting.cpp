@@ -322,7 +322,7 @@ Result<TradeoffRow> TradeoffSetting::measure(const FrameSettings& settings) cons
   row.cells = static_cast<double>(out.views.front().radiance.size());
   row.flicker = meter.rms();
   row.rmse_estimated = settings.grid == FrameGrid::Foveal
-                           ? std::sqrt(std::max(estimated.mean_square(), 0.0))
+                           ? estimated.rmse()
                            : std::numeric_limits<double>::quiet_NaN();
   return row;
 }

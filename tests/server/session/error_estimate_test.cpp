@@ -37,7 +37,7 @@ class ErrorEstimate : public testing::Test {
     SpotError all;
     for (frame_.judgement = 0; frame_.judgement < kJudgements; ++frame_.judgement)
       all += *spot_error(*reference, *scene_, frame_, shown, scheduler_);
-    return std::sqrt(std::max(all.mean_square(), 0.0));
+    return all.rmse();
   }
   /// At every pixel of the display, against a picture of many samples.
   double truth(const image::Plane<Rgb>& shown) {
