@@ -43,9 +43,10 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--keys", options.keys, "Key folder [$XDG_CONFIG_HOME/macula]");
   app.add_option("--config", options.config, "Settings file (TOML); options here win over it");
-  app.add_option("--target-ms", options.target_ms,
-                 "Render time to hold by lowering quality, ms; samples set by hand stay: then the "
-                 "periphery alone gives way");
+  app.add_option(
+      "--target-ms", options.target_ms,
+      "Render time to hold by lowering quality, ms; samples and knobs set by hand stay: then "
+      "the periphery alone gives way");
   app.add_option("--quality", options.quality,
                  "0 (fast) to 10 (good) on the kernel's measured ladder; with --target-ms at most")
       ->option_text("NUMBER");
@@ -86,6 +87,10 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--ambient-samples", options.ambient_samples,
                  "Samples of ambient light a primary sample")
       ->capture_default_str();
+  app.add_option("--knobs", options.knobs,
+                 "\"name=value ...\" of the kernel, such as \"budget=0.2 k_min=0.1\" of ray with "
+                 "--reuse; an unknown name answers with the list")
+      ->option_text("TEXT");
   app.add_option("--balance", options.balance,
                  "Under mpirun, who runs which tile: predicted, stripes or dynamic")
       ->capture_default_str();
@@ -194,6 +199,9 @@ Result<void> check_options(const Options& o) {
   if (auto ok = in_range("--color-quality", o.color_quality, 1, 100); !ok) return ok;
   if (auto ok = in_range("--area-samples", o.area_samples, 1, 1024); !ok) return ok;
   if (auto ok = in_range("--ambient-samples", o.ambient_samples, 0, 1024); !ok) return ok;
+  if (!o.knobs.empty() && (o.quality || o.max_error))
+    return base::bad_input("turns knobs that the quality ladder turns, too", "--knobs",
+                           "one of --knobs, or --quality and --max-error");
   if (auto ok = in_range("--threads", o.threads, 0, 1024); !ok) return ok;
   if (auto ok = in_range("--rank-timeout-ms", o.rank_timeout_ms, 100, 600'000); !ok) return ok;
   if (std::ranges::find(scheduling::kBalanceNames, o.balance) ==
@@ -234,8 +242,8 @@ std::string describe(const Options& o) {
        << "\nview_cell_cm = " << o.view_cell_cm << "\nage_ms = " << o.age_ms
        << "\ncolor_quality = " << o.color_quality << "\ncodec = " << quoted(o.codec)
        << "\narea_samples = " << o.area_samples << "\nambient_samples = " << o.ambient_samples
-       << "\nthreads = " << o.threads << "\nbalance = " << quoted(o.balance)
-       << "\nrank_timeout_ms = " << o.rank_timeout_ms
+       << "\nknobs = " << quoted(o.knobs) << "\nthreads = " << o.threads
+       << "\nbalance = " << quoted(o.balance) << "\nrank_timeout_ms = " << o.rank_timeout_ms
        << "\nreuse = " << (o.reuse ? "true" : "false")
        << "\nperceived_lights = " << (o.perceived_lights ? "true" : "false")
        << "\nbounced_rays = " << o.bounced_rays << "\nmetrics = " << quoted(o.metrics)

@@ -30,6 +30,7 @@ struct Options {
   std::string codec = "auto";  ///< auto, jpeg, h264 or lossless
   int area_samples = 8;        ///< per primary sample, over all emissive triangles
   int ambient_samples = 4;     ///< per primary sample
+  std::string knobs;           ///< "name=value ..." of the kernel, over the other options
   int threads = 0;             ///< 0: every core; of each rank
   std::string balance = "predicted";  ///< who runs which tile where there are several ranks
   int rank_timeout_ms = 5000;         ///< a rank that lags so far behind the others is lost

@@ -77,6 +77,7 @@ constexpr std::array kKeys{
     Key{"codec", apply<&Options::codec>},
     Key{"area_samples", apply<&Options::area_samples>},
     Key{"ambient_samples", apply<&Options::ambient_samples>},
+    Key{"knobs", apply<&Options::knobs>},
     Key{"threads", apply<&Options::threads>},
     Key{"balance", apply<&Options::balance>},
     Key{"rank_timeout_ms", apply<&Options::rank_timeout_ms>},

@@ -121,6 +121,13 @@ TEST(Options, LightsArePerceivedOnlyWhereThatWasAskedFor) {
   EXPECT_TRUE(parsed({"--perceived-lights"}).perceived_lights);
 }
 
+TEST(Options, KnobsAreTurnedByHandOrByTheLadderButNotByBoth) {
+  EXPECT_EQ(parsed({"--knobs", "budget=0.2"}).knobs, "budget=0.2");
+  EXPECT_TRUE(parse({"--knobs", "budget=0.2", "--target-ms", "20"}));
+  EXPECT_FALSE(parse({"--knobs", "budget=0.2", "--quality", "4"}));
+  EXPECT_FALSE(parse({"--knobs", "budget=0.2", "--max-error", "0.1"}));
+}
+
 TEST(Options, LightIsBouncedOnlyWhereThatWasAskedFor) {
   EXPECT_EQ(parsed({}).bounced_rays, 0);
   EXPECT_EQ(parsed({"--bounced-rays", "120000"}).bounced_rays, 120'000);
