@@ -182,6 +182,19 @@ Rgb MaterialTable::lamp_emission(scene::Index material, const Vec2& uv) const {
   return coverage(materials_[material], uv) * emission(material, uv, 0.0F);
 }
 
+float MaterialTable::lobe_width(scene::Index material, MaterialModel model) const {
+  const Entry& entry = materials_[material];
+  const scene::Material& m = entry.material;
+  const bool reflects = m.specular > 0.0F || m.metallic > 0.0F;
+  if (!reflects || model == MaterialModel::Lambert ||
+      options_.specular_lobe == scene::StepUse::LeftOut)
+    return 0.0F;
+  const float mean =
+      entry.metallic_roughness ? textures_[entry.metallic_roughness->texture].mean().y : 1.0F;
+  const float roughness = m.roughness * mean;
+  return std::clamp(roughness * roughness, kLeastAlpha, 1.0F);
+}
+
 const Rgb& MaterialTable::mean_emission(scene::Index material) const {
   return materials_[material].mean_emission;
 }

@@ -59,6 +59,9 @@ class MaterialTable {
             std::size_t count, MaterialModel model, BsdfBatch& out) const;
   /// Radiance leaving the front face, W/(sr m^2).
   Rgb emission(scene::Index material, const Vec2& uv, float footprint_uv) const;
+  /// GGX width of the material's lobe, [kLeastAlpha, 1], its roughness texture taken at its mean;
+  /// 0: it has none.
+  float lobe_width(scene::Index material, MaterialModel model) const;
   /// What a point drawn on a lamp shines with: emission times what alpha leaves of the surface
   /// there, since rays that look for the lamp meet no more than that.
   Rgb lamp_emission(scene::Index material, const Vec2& uv) const;

@@ -24,4 +24,18 @@ void prepare_cache(Cache& cache, int width, int height, bool has_light, unsigned
   size_plane(cache.albedo, (wanted & kAlbedo) != 0, width, height);
 }
 
+void EyePath::note(std::uint32_t clock, const DVec3& eye) {
+  if (eyes_.empty()) eyes_.assign(kHeld, eye);
+  // Clocks may wrap: their difference is right.
+  if (clock - newest_ > 1) eyes_.assign(kHeld, eye);
+  eyes_[clock % kHeld] = eye;
+  newest_ = clock;
+}
+
+const DVec3& EyePath::at(std::uint32_t clock) const {
+  MACULA_CHECK(!eyes_.empty());
+  const std::uint32_t age = std::min(newest_ - clock, kHeld - 1);
+  return eyes_[(newest_ - age) % kHeld];
+}
+
 }  // namespace macula::kernels::ray

@@ -60,9 +60,26 @@ struct Cache {
   }
 };
 
+/// Where an eye was, by the clock of the cache: as many frames in motion as it holds.
+class EyePath {
+ public:
+  /// `clock` is the last one's or the next.
+  void note(std::uint32_t clock, const DVec3& eye);
+  /// World; where the eye was then, or at the oldest time that is still known. Not before a note.
+  const DVec3& at(std::uint32_t clock) const;
+  /// Whether `a` is longer ago than `b`; neither is later than the last note.
+  bool is_older(std::uint32_t a, std::uint32_t b) const { return newest_ - a > newest_ - b; }
+
+ private:
+  static constexpr std::uint32_t kHeld = 64;  ///< the mask's longest wait at p = .05 is 34 frames
+  std::vector<DVec3> eyes_;                   ///< of the last clocks, at clock modulo kHeld
+  std::uint32_t newest_ = 0;
+};
+
 struct ViewMemory {
   Pose world_from_view;
   PixelGrid grid;
+  EyePath eyes;
   Cache now, then;       ///< of the last frame, and room for the one before
   float density = 1.0F;  ///< what probabilities below 1 are scaled by, (0, 1]
   ViewBuffers fresh;     ///< room for a frame's samples

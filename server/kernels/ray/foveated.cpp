@@ -70,7 +70,8 @@ bool has_sampled_light(const SceneFrame& scene, const Config& config) {
 class ViewFrame {
  public:
   ViewFrame(const FrameRequest& request, std::size_t index, const SceneFrame& scene,
-            const Config& config, RayRecord& record, TileScheduler& scheduler, FrameBuffers& out)
+            const Config& config, const GlossyTurn& turns, RayRecord& record,
+            TileScheduler& scheduler, FrameBuffers& out)
       : request_(request),
         index_(index),
         view_(request.views[index]),
@@ -80,14 +81,17 @@ class ViewFrame {
         scheduler_(scheduler),
         out_(out.views[index]),
         has_light_(has_sampled_light(scene, config)),
+        turns_(turns),
         context_(view_, scene, config, request,
-                 (out.wanted & kRemembered) | kNormal | (has_light_ ? kLight : 0U)),
+                 (out.wanted & kRemembered) | kNormal | (has_light_ ? kLight : 0U) |
+                     (turns.any() ? kSurfaceId : 0U)),
         support_(view_.grid, config.foveated.support_spacing),
         probability_(request.foveation.view(index), request.foveation.model(), memory_.density),
         mask_(support_, view_.grid.width(), view_.grid.height()),
         fresh_(memory_.fresh) {}
 
   FrameReport run(Motion scene_motion) {
+    memory_.eyes.note(record_.clock, view_.world_from_view.position);
     choose();
     Outcome outcome = trace(mask_.chosen());
     if (outcome == Outcome::Completed) {
@@ -208,7 +212,8 @@ class ViewFrame {
     const double begin = scheduling::thread_cpu_ms();
     Plane<float> scores(support_.broken.width(), support_.broken.height(), 0.0F);
     if (remembers_) {
-      scores = resampling_scores({view_, support_, fresh_, memory_.now, config_.foveated, motion_});
+      scores = resampling_scores(
+          {view_, support_, fresh_, memory_.now, config_.foveated, motion_, glossy_past()});
       weigh_by_rate(scores);
     }
     mask_.resample(remembers_ ? &memory_.now : nullptr, scores, request_.frame, config_.foveated,
@@ -216,6 +221,10 @@ class ViewFrame {
     report_.mask_ms += scheduling::thread_cpu_ms() - begin;
     report_.resampled_cells += mask_.counts().resampled;
     return trace(mask_.resampled());
+  }
+  GlossyPast glossy_past() const {
+    if (!turns_.any() || motion_ == Motion::Still) return {};
+    return {&turns_, &memory_.eyes, config_.foveated.turn_threshold};
   }
   /// What is urgent is the more so the better the eye sees there.
   void weigh_by_rate(Plane<float>& scores) const {
@@ -228,9 +237,9 @@ class ViewFrame {
   }
 
   Outcome merge() {
-    const MergeJob job{view_,         support_,       mask_,
-                       fresh_,        memory_.chroma, config_.foveated,
-                       record_.clock, motion_,        request_.frame};
+    const MergeJob job{view_,          support_,         mask_,         fresh_,
+                       memory_.chroma, config_.foveated, record_.clock, motion_,
+                       glossy_past(),  request_.frame};
     Outcome outcome = in_batches(report_.cache_ms, [&](std::span<const image::Pixel> cells) {
       update_cells(job, cells, memory_.now, out_.radiance);
     });
@@ -281,6 +290,7 @@ class ViewFrame {
   TileScheduler& scheduler_;
   ViewBuffers& out_;
   bool has_light_;
+  const GlossyTurn& turns_;
   ViewContext context_;
   Support support_;
   Probability probability_;
@@ -342,9 +352,10 @@ FrameReport render_foveated(const FrameRequest& request, const SceneFrame& scene
   const bool moved = scene_motion == Motion::Moving || any_view_moved(record, request.views);
   if (moved || config.foveated.age == AgeRule::AllFrames) ++record.clock;
   record.scene = &scene;
+  const GlossyTurn turns(scene, config);
   FrameReport report;
   for (std::size_t v = 0; v < request.views.size() && !report.stopped; ++v) {
-    ViewFrame frame(request, v, scene, config, record, scheduler, out);
+    ViewFrame frame(request, v, scene, config, turns, record, scheduler, out);
     const FrameReport part = frame.run(scene_motion);
     report += part;
     report.stopped = part.stopped;

@@ -1,5 +1,7 @@
 #include "server/kernels/ray/foveated_config.h"
 
+#include <limits>
+
 namespace macula::kernels::ray {
 
 FoveatedConfig paper_literal() {
@@ -16,6 +18,7 @@ FoveatedConfig paper_literal() {
   config.age = AgeRule::AllFrames;
   config.clipping = Clipping::Off;
   config.most_resampled = 1.0F;
+  config.turn_threshold = std::numeric_limits<float>::infinity();
   return config;
 }
 

@@ -57,7 +57,10 @@ struct FoveatedConfig {
   float depth_threshold = 0.02F;  ///< eps_depth: second difference of 1/z times z
   float luminance_threshold = 0.1F;  ///< eps_lum: of display luminance, [0, 1]
   float grazing_threshold = 0.1F;    ///< cosine
-  float merge_threshold = 0.02F;     ///< of depth, beyond which memory is not believed
+  /// Of the eye around a glossy point, in widths of its lobe (alpha, as an angle); above 0. At half
+  /// a width the half vector has turned by a quarter: a highlight's middle has lost 11 %.
+  float turn_threshold = 0.5F;
+  float merge_threshold = 0.02F;  ///< of depth, beyond which memory is not believed
   AgeLimits color_age;
   AgeLimits light_age{0.05F, 0.5F, 16};  ///< of light that is estimated by chance
   float fovea_weight = 0.2F;             ///< least weight where every cell is traced, (0, 1]

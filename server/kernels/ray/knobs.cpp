@@ -60,6 +60,10 @@ constexpr std::array kKnobs{
             [](Config& c, std::string_view value) {
               return turn_number(c.foveated.luminance_threshold, value, 0.0F, 1.0F);
             }},
+    RayKnob{"turn", "0.01 to 1000 lobe widths",
+            [](Config& c, std::string_view value) {
+              return turn_number(c.foveated.turn_threshold, value, 0.01F, 1000.0F);
+            }},
     RayKnob{"budget", "0.01 to 1",
             [](Config& c, std::string_view value) {
               return turn_number(c.foveated.ray_budget, value, 0.01F, 1.0F);

@@ -9,6 +9,7 @@
 #include "server/kernels/ray/blend.h"
 #include "server/kernels/ray/cache.h"
 #include "server/kernels/ray/foveated_config.h"
+#include "server/kernels/ray/glossy_turn.h"
 #include "server/kernels/ray/resampling.h"
 #include "server/kernels/ray/sampling_mask.h"
 
@@ -24,6 +25,7 @@ struct MergeJob {
   const FoveatedConfig& config;
   std::uint32_t clock = 0;
   Motion motion = Motion::Moving;
+  GlossyPast glossy{};
   std::uint64_t frame = 0;  ///< for the post filter's probes
   LimitTable color_limits{config.color_age}, light_limits{config.light_age};
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 namespace macula::kernels::ray {
 namespace {
@@ -99,16 +101,31 @@ class Scores {
     const Plane<std::uint8_t>& broken = job_.support.broken;
     const bool edges =
         job_.config.resampling == ResamplingRule::Neighbours || job_.motion == Motion::Moving;
+    const bool turns = job_.glossy.any() && job_.motion == Motion::Moving;
     Plane<float> quads(broken.width(), broken.height());
     for (int j = 0; j < quads.height(); ++j) {
       for (int i = 0; i < quads.width(); ++i) {
         const int k = std::min(i + 1, columns_ - 1), l = std::min(j + 1, rows_ - 1);
         float score = std::max({samples_(i, j), samples_(k, j), samples_(i, l), samples_(k, l)});
         if (edges && broken(i, j) != 0) score += 1.0F;
+        if (turns) score = std::max(score, turn_of_quad(i, j));
         quads(i, j) = score < 1.0F ? 0.0F : score;
       }
     }
     return quads;
+  }
+  /// By the cell of its diagonal that is remembered longest: corners are traced each frame.
+  float turn_of_quad(int i, int j) const {
+    const int x = cell_x(i), y = cell_y(j), end = cell_x(std::min(i + 1, columns_ - 1));
+    const Plane<CacheInfo>& info = job_.remembered.info;
+    std::optional<std::uint32_t> oldest;
+    for (int k = x; k < end; ++k) {
+      const int row = std::min(y + k - x, info.height() - 1);
+      if (!job_.remembered.remembers(k, row)) continue;
+      const std::uint32_t touched = info(k, row).touched;
+      if (!oldest || job_.glossy.eyes->is_older(touched, *oldest)) oldest = touched;
+    }
+    return oldest ? job_.glossy.turned(job_.view, {x, y}, job_.fresh, *oldest) : 0.0F;
   }
   void raise(int i, int j, float score) { samples_(i, j) = std::max(samples_(i, j), score); }
 

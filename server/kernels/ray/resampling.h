@@ -1,10 +1,12 @@
 // Resampling info (section 3.3): how urgently every quad of support samples should be traced anew,
-// because what is remembered there contradicts what the samples see. Pure.
+// because what is remembered there contradicts what the samples see, or what a glossy surface shows
+// the eye from elsewhere. Pure.
 #pragma once
 
 #include "server/kernels/kernel.h"
 #include "server/kernels/ray/cache.h"
 #include "server/kernels/ray/foveated_config.h"
+#include "server/kernels/ray/glossy_turn.h"
 #include "server/kernels/ray/support.h"
 
 namespace macula::kernels::ray {
@@ -19,6 +21,7 @@ struct ResamplingJob {
   const Cache& remembered;   ///< reprojected
   const FoveatedConfig& config;
   Motion motion = Motion::Moving;
+  GlossyPast glossy{};
 };
 
 /// Of Support::broken's size: 0 where nothing calls for it; 1 where a threshold is just met, higher

@@ -138,18 +138,31 @@ class Update {
 
   HWY_ATTR void blend(int x, int y, Reason reason, CacheInfo& info) {
     const std::uint32_t age = job_.clock - info.touched;
+    const float turned = share_turned(x, y, info);
     const bool full_rate = reason == Reason::Fovea && age > 0;
     const float limit = full_rate ? job_.config.fovea_weight : job_.color_limits.at(age);
-    const float alpha = weight(info.samples, limit, job_.config.weight);
+    const float alpha =
+        weight(info.samples, aged(limit, turned, job_.config.color_age), job_.config.weight);
     Rgb color = radiance_of(cache_.color(x, y));
     clip(x, y, reason, color);
     cache_.color(x, y) = held(color + alpha * (fresh_color(job_.fresh, x, y) - color));
     info.samples = samples_after(info.samples, alpha);
     if (!cache_.has_light()) return;
     const float light_alpha =
-        weight(info.light_samples, job_.light_limits.at(age), job_.config.weight);
+        weight(info.light_samples, aged(job_.light_limits.at(age), turned, job_.config.light_age),
+               job_.config.weight);
     mix_light(x, y, alpha, light_alpha);
     info.light_samples = samples_after(info.light_samples, light_alpha);
+  }
+
+  /// How much of what is remembered of a glossy point is no longer what the eye sees, [0, 1].
+  float share_turned(int x, int y, const CacheInfo& info) const {
+    if (!job_.glossy.any()) return 0.0F;
+    return std::min(job_.glossy.turned(job_.view, {x, y}, job_.fresh, info.touched), 1.0F);
+  }
+  /// A memory that has turned away counts as one of full age.
+  static float aged(float limit, float turned, const AgeLimits& limits) {
+    return limit + turned * std::max(limits.most - limit, 0.0F);
   }
 
   /// Light per unit of reflectance goes by its own weight, what it meets by the colour's. A mean of

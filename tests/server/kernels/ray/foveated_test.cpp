@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "server/kernels/ray/cache.h"
@@ -249,6 +250,64 @@ TEST(Foveated, WhatIsCarriedThroughATurnIsShownAsBrightAsItIs) {
   const double excess = shown_outside(run.buffers.views.front().radiance, view) - right;
   // The twin: a blur of radiance over three cells.
   EXPECT_LT(std::abs(excess), 0.5 * (shown_outside(blurred(truth), view) - right));
+}
+
+/// A wall that gleams, or does not, along a sideways walk of 1.2 cm a frame.
+struct Walk {
+  std::shared_ptr<const SceneFrame> scene;
+  View view = view_of(160);
+
+  explicit Walk(float roughness) {
+    scene::Scene wall;
+    wall.materials.resize(1);
+    wall.materials[0].metallic = 0.7F, wall.materials[0].roughness = roughness;
+    test::add_quad(wall, {-6, -4, -3}, {12, 0, 0}, {0, 8, 0}, 0);
+    scene::Light lamp;
+    lamp.intensity = Rgb{4.0F}, lamp.position = {-1.5, 0.5, -1.0};
+    wall.lights = {lamp};
+    scene = test::frame_of(std::move(wall));
+  }
+  void to(int frame) { view.world_from_view.position = {0.012 * frame - 0.2, 0.1, 0.0}; }
+  /// Of the picture after the walk, outside the fovea, display-linear; and what was resampled.
+  struct End {
+    double rmse = 0.0, resampled = 0.0;
+  };
+  End end(const FoveatedConfig& foveated) {
+    Config config = foveated_config();
+    config.foveated = foveated, config.foveated.method = Method::Foveated;
+    Viewer run(scene, config);
+    End found;
+    constexpr int kFrames = 32;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      to(frame);
+      run.render(view, static_cast<std::uint64_t>(frame));
+      if (frame > 8) found.resampled += static_cast<double>(run.report.resampled_cells);
+    }
+    Config many = foveated_config();
+    many.samples_per_cell = 64, many.foveated.method = Method::Full;
+    Viewer reference(scene, many);
+    const Plane<Rgb> truth = reference.render(view, 99).radiance;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const Rgb d = glm::min(truth.pixels()[i], Rgb{1.0F}) -
+                    glm::min(run.buffers.views.front().radiance.pixels()[i], Rgb{1.0F});
+      sum += glm::dot(d, d);
+    }
+    found.rmse = std::sqrt(sum / (3.0 * static_cast<double>(truth.size())));
+    return found;
+  }
+};
+
+// What lies still is remembered right, but a highlight slides over it as the eye walks.
+TEST(Foveated, GlossyPointsAreTracedAnewWhereTheEyeHasGoneAroundThem) {
+  FoveatedConfig blind;
+  blind.turn_threshold = std::numeric_limits<float>::infinity();
+  Walk gleaming(0.3F), dull(1.0F);
+  const Walk::End seen = gleaming.end({}), unseen = gleaming.end(blind);
+  EXPECT_LT(seen.rmse, 0.8 * unseen.rmse);
+  EXPECT_GT(seen.resampled, unseen.resampled);
+  // The twin: nothing that is broad calls for more.
+  EXPECT_EQ(dull.end({}).resampled, dull.end(blind).resampled);
 }
 
 TEST(Foveated, OneThreadAndManyGiveTheSameBitsAlongAPath) {
