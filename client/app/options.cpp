@@ -35,6 +35,7 @@ auto within(double low, double high) {
 }
 
 void add_server_options(CLI::App& app, Typed& typed) {
+  app.option_defaults()->group("The server");
   app.add_option("--connect", typed.connect, "Where the server is")
       ->option_text("ENDPOINT (tcp://127.0.0.1:7788)");
   app.add_option("--connect-patience", typed.connect_s, "How long to wait for its welcome")
@@ -56,6 +57,7 @@ void add_server_options(CLI::App& app, Typed& typed) {
 }
 
 void add_viewer_options(CLI::App& app, Typed& typed) {
+  app.option_defaults()->group("Head and gaze");
   app.add_option("--trace", typed.trace,
                  "Head and gaze: t_s,px,py,pz,qx,qy,qz,qw,gx,gy,gz. Without one: mouse and keys in "
                  "a window, else a demo trace")
@@ -75,7 +77,8 @@ void add_viewer_options(CLI::App& app, Typed& typed) {
 }
 
 void add_display_options(CLI::App& app, Typed& typed) {
-  app.add_option("--display", typed.display)
+  app.option_defaults()->group("Display");
+  app.add_option("--display", typed.display, "Where the picture goes")
       ->option_text("window|openxr|headless (window where there is one)")
       ->check(CLI::IsMember({"window", "openxr", "headless"}));
   app.add_option("--size", typed.size, "Pixels of one eye")
@@ -83,7 +86,9 @@ void add_display_options(CLI::App& app, Typed& typed) {
   app.add_option("--fov-deg", typed.fov_deg, "Vertical field of view of one eye, 5 to 150")
       ->option_text("DEGREES (80)")
       ->check(within(5.0, 150.0));
-  app.add_option("--eyes", typed.eyes)->option_text("1|2 (2)")->check(CLI::Range(1, 2));
+  app.add_option("--eyes", typed.eyes, "How many are rendered")
+      ->option_text("1|2 (2)")
+      ->check(CLI::Range(1, 2));
   app.add_option("--ipd-mm", typed.ipd_mm, "Distance between the eyes, 0 to 100")
       ->option_text("MM (63)")
       ->check(within(0.0, 100.0));
@@ -105,6 +110,7 @@ void add_display_options(CLI::App& app, Typed& typed) {
       ->option_text("N (12)")
       ->check(CLI::Range(1, 1'000'000));
   app.add_flag("--verbose", typed.verbose, "Tell more");
+  app.option_defaults()->group("Options");
 }
 
 CLI::App* add_pair_command(CLI::App& app, PairCommand& pair) {

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "server/app/command_line.h"
 #include "server/app/settings_file.h"
 #include "server/scheduling/balance.h"
 #include "shared/base/text.h"
@@ -15,111 +16,6 @@
 
 namespace macula::server_app {
 namespace {
-
-constexpr const char* kExamples = R"(
-Examples:
-  macula-server                                 a built-in scene for clients on this machine
-  macula-server --scene model.gltf --explain    what a scene needs, without serving it
-  macula-server pair                            let a client of another machine in, by a code
-  macula-server --bind tcp://*:7788             serve clients elsewhere
-  macula-server clients list                    who may connect; clients revoke NAME takes it back
-  macula-server --target-ms 25                  hold a frame time by the kernel's quality ladder
-  mpirun -n 4 --hostfile hosts macula-server    one frame by several machines
-  macula-server --quality 4 --color-quality 75  spend less on rays and on bytes
-)";
-
-void declare(CLI::App& app, Options& options) {
-  app.footer(kExamples);
-  app.set_help_flag("-h,--help", "Print this text and end");
-  app.set_version_flag("--version", "macula-server " MACULA_VERSION);
-  app.add_option("--scene", options.scene,
-                 "Built-in scene or a file: .gltf .glb .obj .ply .stl .off .fbx .dae .3ds")
-      ->capture_default_str();
-  app.add_flag("--list-scenes", options.list_scenes, "List the built-in scenes and end");
-  app.add_option("--kernel", options.kernel, "auto, or a kernel by name")->capture_default_str();
-  app.add_flag("--explain", options.explain,
-               "Print the kernel and passes chosen, with reasons, and end");
-  app.add_option("--bind", options.bind, "Endpoint to serve; port 0 takes a free one")
-      ->capture_default_str();
-  app.add_option("--keys", options.keys, "Key folder [$XDG_CONFIG_HOME/macula]");
-  app.add_option("--config", options.config, "Settings file (TOML); options here win over it");
-  app.add_option(
-      "--target-ms", options.target_ms,
-      "Render time to hold by lowering quality, ms; samples and knobs set by hand stay: then "
-      "the periphery alone gives way");
-  app.add_option("--quality", options.quality,
-                 "0 (fast) to 10 (good) on the kernel's measured ladder; with --target-ms at most")
-      ->option_text("NUMBER");
-  app.add_option("--max-error", options.max_error,
-                 "RMSE of display values from 0 to 1, as the eye weighs it, that quality never "
-                 "goes beyond; without --target-ms no better than that")
-      ->option_text("NUMBER");
-  app.add_option("--ladders", options.ladders, "Folder of quality ladders, KERNEL.toml each");
-  app.add_option("--rate-model", options.rate_model, "How sampling falls off from the gaze")
-      ->capture_default_str();
-  app.add_option("--oversampling", options.oversampling,
-                 "Cells per display pixel at the gaze: 1, 1.5, 2, 3, 4")
-      ->capture_default_str();
-  app.add_option("--guard-deg", options.guard_deg,
-                 "Rendered beyond the display on every side, for turns of the head, 0 to 15")
-      ->capture_default_str();
-  app.add_option("--predict-ms", options.predict_ms,
-                 "Render at most this far ahead of the head, for as long as frames take, 0 to 200; "
-                 "0 also keeps the guard band as it is set")
-      ->capture_default_str();
-  app.add_option("--view-cell-cm", options.view_cell_cm,
-                 "With --predict-ms: also send what near surfaces hide along their outlines, for "
-                 "eyes that move up to so far until a frame is seen, 0 to 20; 0: do not")
-      ->capture_default_str();
-  app.add_option("--age-ms", options.age_ms,
-                 "How old a frame may be when it is shown: slower links get fewer bytes, ms; 0 = "
-                 "full quality on any link")
-      ->capture_default_str();
-  app.add_option("--codec", options.codec,
-                 "Colour: auto (the best both ends know), jpeg, h264 or lossless")
-      ->capture_default_str();
-  app.add_option("--color-quality", options.color_quality,
-                 "Quality of colour on JPEG's scale, 1 to 100; H.264's quantiser is 56 - 0.4 of it")
-      ->capture_default_str();
-  app.add_option("--area-samples", options.area_samples,
-                 "Samples of emissive surfaces a primary sample")
-      ->capture_default_str();
-  app.add_option("--ambient-samples", options.ambient_samples,
-                 "Samples of ambient light a primary sample")
-      ->capture_default_str();
-  app.add_option("--knobs", options.knobs,
-                 "\"name=value ...\" of the kernel, such as \"budget=0.2 k_min=0.1\" of ray with "
-                 "--reuse; an unknown name answers with the list")
-      ->option_text("TEXT");
-  app.add_option("--balance", options.balance,
-                 "Under mpirun, who runs which tile: predicted, stripes or dynamic")
-      ->capture_default_str();
-  app.add_option("--rank-timeout-ms", options.rank_timeout_ms,
-                 "Under mpirun, how long others wait for a rank before the server ends")
-      ->capture_default_str();
-  app.add_option("--threads", options.threads, "Render threads of each process; 0 = every core")
-      ->capture_default_str();
-  app.add_flag("--reuse", options.reuse,
-               "Kernel ray: trace as densely as --rate-model asks, remember the other cells");
-  app.add_flag("--perceived-lights", options.perceived_lights,
-               "Kernel lightcuts: as many lights as the eye would see the difference, up to 48");
-  app.add_option(
-         "--bounced-rays", options.bounced_rays,
-         "Kernel lightcuts: rays from the lamps for light that surfaces reflect once, each a "
-         "virtual light at most, such as 120000; 0 = none. Anew whenever the scene moves")
-      ->check(CLI::Range(0, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--record", options.record,
-                 "File for what arrives and when, to make the same frames again");
-  app.add_option("--report", options.report,
-                 "Folder for frames.csv, each frame's stage times and bytes, and report.json");
-  app.add_option("--replay", options.replay,
-                 "Make a recording's frames again, print each one's bytes and digest, and end");
-  app.add_option("--metrics", options.metrics,
-                 "ADDRESS:PORT where Prometheus may read rates and times, such as 127.0.0.1:9464; "
-                 "plain HTTP for whoever reaches it");
-  app.add_flag("--verbose", options.verbose, "Log sessions and, every 5 s, rates and stage times");
-}
 
 struct Subcommands {
   CLI::App *pair, *clients, *revoke;
@@ -133,7 +29,7 @@ void declare_subcommands(CLI::App& app, Subcommands& commands) {
   commands.pair = app.add_subcommand(
       "pair", "Let a client of another machine in: shows a code for 'macula-client pair'");
   commands.pair->add_option("--bind", commands.pair_bind, "Where to listen while pairing")
-      ->capture_default_str();
+      ->option_text(base::concat("ENDPOINT (", net::kPairingBind, ")"));
   commands.clients = app.add_subcommand("clients", "Who may connect");
   for (CLI::App* command : {commands.pair, commands.clients})
     command->footer("--keys DIR before or after names another key folder.\n");
@@ -148,7 +44,7 @@ Result<Command> parse_over(Options options, int argc, const char* const* argv) {
   CLI::App app{"Render server of Macula: streams foveated frames to headset clients",
                "macula-server"};
   Subcommands commands;
-  declare(app, options);
+  declare_options(app, options);
   declare_subcommands(app, commands);
   try {
     app.parse(argc, argv);

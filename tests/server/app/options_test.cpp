@@ -138,7 +138,8 @@ TEST(Options, HelpShowsOptionsAndExamples) {
   const auto help = parse({"--help"});
   ASSERT_TRUE(help);
   const std::string& text = std::get<PrintAndExit>(*help).text;
-  for (const char* part : {"--target-ms", "--list-scenes", "Examples:", "tcp://127.0.0.1:7788"})
+  for (const char* part : {"--target-ms", "--list-scenes", "Examples:", "tcp://127.0.0.1:7788",
+                           "Speed against quality:"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
