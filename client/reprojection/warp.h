@@ -53,7 +53,7 @@ struct WarpOptions {
   /// Bilinear elsewhere, where a picture is blurred anyway.
   enum class Filter { Bilinear, CatmullRom, Fovea };
   Filter filter = Filter::Fovea;
-  static constexpr float kFine_px = 1.5F;
+  static constexpr float kFine_px = 2.5F;
   /// EverySecond: the mesh is drawn for every second pixel of every second row, places between are
   /// interpolated, and silhouettes are true to two pixels; of displays with even sizes, others take
   /// EveryPixel.
