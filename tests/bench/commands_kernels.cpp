@@ -112,6 +112,9 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   command.add_option("--reference-passes", options->reference_passes, "Of each half-reference")
       ->check(CLI::Range(1, 1 << 14))
       ->option_text("N (4)");
+  command.add_flag("--stereo", options->stereo,
+                   "Pairs of eyes: cost and error of the second, lit by itself and by what the\n"
+                   "first has found; methods sl_denoised,paper,paper_denoised,ours");
   command.add_flag("--quick", options->quick,
                    "360x425, gaze 0, one frame after 4, one pass of 96 nodes");
   add_threads(command, options->threads);

@@ -11,6 +11,7 @@
 #include "shared/image/png.h"
 #include "tests/bench/curve.h"
 #include "tests/bench/lightcuts_setting.h"
+#include "tests/bench/lightcuts_stereo.h"
 #include "tests/bench/progress.h"
 #include "tests/bench/report.h"
 #include "tests/bench/tradeoff_front.h"
@@ -316,14 +317,6 @@ LightcutsOptions quickened(LightcutsOptions options) {
   return options;
 }
 
-Fields effective(const LightcutsOptions& options) {
-  return {{"quick", options.quick},
-          {"frames", std::int64_t{options.frames}},
-          {"warm_up", std::int64_t{options.warm_up}},
-          {"reference_nodes", std::int64_t{options.reference_nodes}},
-          {"reference_passes", std::int64_t{options.reference_passes}}};
-}
-
 /// A scene's rows, a gaze after the other; references are made once.
 Result<void> run_scene(const std::string& scene, const LightcutsOptions& options,
                        TileScheduler& scheduler, Progress& progress, std::vector<Fields>& rows) {
@@ -376,8 +369,17 @@ std::vector<Fields> gains(const std::vector<Fields>& rows) {
 
 }  // namespace
 
+Fields effective(const LightcutsOptions& options) {
+  return {{"quick", options.quick},
+          {"frames", std::int64_t{options.frames}},
+          {"warm_up", std::int64_t{options.warm_up}},
+          {"reference_nodes", std::int64_t{options.reference_nodes}},
+          {"reference_passes", std::int64_t{options.reference_passes}}};
+}
+
 Result<void> run_lightcuts(const LightcutsOptions& asked) {
   const LightcutsOptions options = quickened(asked);
+  if (options.stereo) return run_lightcuts_stereo(options);
   TileScheduler scheduler(options.threads);
   Report report{"lightcuts", effective(options), {}};
   Progress progress("lightcuts",

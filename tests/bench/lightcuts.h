@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "shared/base/result.h"
+#include "tests/bench/report.h"
 
 namespace macula::bench {
 
@@ -14,7 +15,7 @@ struct LightcutsOptions {
   std::vector<std::string> scenes{"cornell-lights", "study", "room", "yard"};
   bool quick = false;  ///< 360 x 425, gaze in the middle, one frame, fewer references
   std::vector<double> gazes_deg{0, 20};  ///< to the right of the view axis
-  std::vector<std::string> methods;     ///< empty: all
+  std::vector<std::string> methods;      ///< empty: all
   bool alphas = false;                   ///< Table 4: the paper's method at five thresholds too
   int reference_nodes = 256;  ///< of the cuts of each half-reference, every pixel of every pass
   int reference_passes = 4;   ///< of each half
@@ -23,7 +24,11 @@ struct LightcutsOptions {
   int threads = 0;            ///< 0: all the machine has
   std::string pictures;       ///< folder for maps and pictures of every method; empty: none
   std::string json;           ///< report; empty: none
+  bool stereo = false;        ///< pairs of eyes instead, the gaze in the middle
 };
+
+/// For a report.
+Fields effective(const LightcutsOptions& options);
 
 Result<void> run_lightcuts(const LightcutsOptions& options);
 

@@ -32,6 +32,10 @@ struct ReservoirConfig {
 /// smoothed along them, further where the eye sees less. One sample a cell, mode Fast only.
 enum class Denoise { No, Yes };
 
+/// Yes: a second view takes over what the first found where it sees the same surface (OtherEye),
+/// and lights the rest. Mode Fast, one sample a cell.
+enum class StereoReuse { No, Yes };
+
 struct Config {
   ray::Config ray;
   CutSizes sizes = CutSizes::Uniform;
@@ -45,6 +49,7 @@ struct Config {
   ReservoirConfig reservoirs;
   // ---- any size ----
   Denoise denoise = Denoise::No;
+  StereoReuse stereo = StereoReuse::No;
   double mean_nodes = 0.0;  ///< > 0: the map is scaled so that this is the mean of all cuts
 };
 
@@ -55,6 +60,7 @@ inline Config make_config(const KernelOptions& options) {
   config.ray = ray::make_config(options);
   config.ray.lights = ray::LightChoice::ByCut;
   if (options.mode == Mode::Fast) config.denoise = Denoise::Yes;
+  if (options.mode == Mode::Fast) config.stereo = StereoReuse::Yes;
   if (options.light_share == LightShare::Perceived) {
     config.sizes = CutSizes::Perceived;
     config.source = LightSource::Reservoirs;

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "server/kernels/lightcuts/denoiser.h"
+#include "server/kernels/lightcuts/other_eye.h"
 #include "server/kernels/lightcuts/other_light.h"
 #include "server/kernels/lightcuts/reservoir_light.h"
 #include "server/kernels/planes.h"
@@ -77,6 +80,7 @@ class Frame {
   /// Samples at fixed places are what they are, over any number of frames.
   bool steadies() const { return denoises() && config_.ray.placement == ray::Placement::Jittered; }
   bool remembers() const { return reservoirs() || denoises(); }
+  bool reuses(std::size_t v) const { return v > 0 && config_.stereo == StereoReuse::Yes; }
   bool reservoirs() const { return perceived() && config_.source == LightSource::Reservoirs; }
 
   void trace() {
@@ -120,9 +124,14 @@ class Frame {
     std::ranges::fill(light_.pixels(), Rgb{0.0F});
     std::vector<FrameReport> parts(view.tiles.size());
     const CutPlan plan = cuts(v);
+    std::optional<OtherEye> other;
+    if (reuses(v)) other.emplace(request_.views[0], surfaces_[0], first_light_, request_.views[v]);
     const auto outcome = scheduling::run_shared(
         scheduler_, parts.size(), Audience::EveryRank, [&] { return places(v, plan); },
-        [&](std::size_t k) { parts[k] = light_tile(view.tiles[k], plan, last, kept); },
+        [&](std::size_t k) {
+          parts[k] = other ? light_rest(*other, view.tiles[k], plan, last, kept)
+                           : light_tile(view.tiles[k], plan, last, kept);
+        },
         [&](std::size_t k, Parcel& parcel) {
           kernels::carry(parts[k], parcel);
           parcel.rect(light_, view.tiles[k].rect);
@@ -130,6 +139,7 @@ class Frame {
         });
     for (const FrameReport& part : parts) report_ += part;
     report_.stopped |= outcome == scheduling::Outcome::Stopped;
+    if (v == 0 && reuses(request_.views.size() - 1)) first_light_ = light_;
     scheduling::RowBands bands(scheduler_, view.height);
     if (!report_.stopped && denoises()) smooth(v, bands, last, kept);
     if (!report_.stopped) deliver(v, bands);
@@ -146,6 +156,26 @@ class Frame {
           places[k].work += static_cast<float>(plan.nodes(x, y));
     }
     return places;
+  }
+  /// What the first view has not found already.
+  FrameReport light_rest(const OtherEye& other, const SurfaceTile& tile, const CutPlan& plan,
+                         const KeptView* last, KeptView& kept) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto rest = std::make_unique<SurfaceTile>();
+    rest->rect = tile.rect;
+    rest->points.sample = tile.points.sample, rest->points.keeps_whole = tile.points.keeps_whole;
+    for (std::size_t i = 0; i < tile.points.count; ++i) {
+      const image::Pixel at = tile.pixel(i);
+      if (const std::optional<Rgb> light = other.light(tile, i)) {
+        light_(at.x, at.y) = *light;
+      } else {
+        append(tile, i, *rest);
+      }
+    }
+    const double reproject_ms = units::to_ms(std::chrono::steady_clock::now() - begin);
+    FrameReport report = light_tile(*rest, plan, last, kept);
+    report.reproject_ms = reproject_ms, report.resampled_cells = rest->points.count;
+    return report;
   }
   FrameReport light_tile(const SurfaceTile& tile, const CutPlan& plan, const KeptView* last,
                          KeptView& kept) {
@@ -279,6 +309,7 @@ class Frame {
   LightPlan plan_;
   std::vector<LowPicture> low_;
   Plane<float> eccentricity_;              ///< of the view at work, radians
+  Plane<Rgb> first_light_;                 ///< of the first view, before it is smoothed
   Plane<Rgb> light_;                       ///< its light, without what surfaces emit
   std::vector<std::uint32_t> not_finite_;  ///< by its rows
 };

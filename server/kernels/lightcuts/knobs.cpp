@@ -43,6 +43,12 @@ bool turn_denoise(Config& c, std::string_view value) {
                                 std::pair<std::string_view, Denoise>{"yes", Denoise::Yes}});
 }
 
+bool turn_stereo(Config& c, std::string_view value) {
+  return turn_choice(c.stereo, value,
+                     std::array{std::pair<std::string_view, StereoReuse>{"no", StereoReuse::No},
+                                std::pair<std::string_view, StereoReuse>{"yes", StereoReuse::Yes}});
+}
+
 constexpr std::array kKnobs{
     CutKnob{"samples", ray::kSamplesAllowed, turn_tiles<ray::turn_samples>},
     CutKnob{"nodes", ray::kLightsAllowed, turn_tiles<ray::turn_lights>},
@@ -68,6 +74,7 @@ constexpr std::array kKnobs{
               return turn_number(c.reservoirs.most_rays, value, 1, 64);
             }},
     CutKnob{"denoise", "no, yes", turn_denoise},
+    CutKnob{"stereo_reuse", "no, yes", turn_stereo},
 };
 
 }  // namespace

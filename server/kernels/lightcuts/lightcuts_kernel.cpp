@@ -22,8 +22,11 @@ FrameReport render_by_ray(const FrameRequest& request, const SceneFrame& scene,
   return report;
 }
 
-std::vector<std::string> shortcuts(const Config& config, const SceneFrame& scene) {
+std::vector<std::string> shortcuts(const Config& config, const SceneFrame& scene,
+                                   std::size_t views) {
   std::vector<std::string> taken = ray::shortcuts(scene);
+  if (config.stereo == StereoReuse::Yes && views > 1)
+    taken.emplace_back("light of the second view is the first's where both see a surface");
   if (config.denoise == Denoise::Yes) taken.emplace_back("light is smoothed along surfaces");
   if (config.source == LightSource::Reservoirs && !config.reservoirs.traces_neighbours) {
     taken.emplace_back("lights kept from the last frame are taken to be seen from where they were");
@@ -51,7 +54,8 @@ FrameReport LightcutsKernel::render(const FrameRequest& request, const SceneFram
   if (!report.stopped) {
     report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
   }
-  report.biased_shortcuts = one_sample ? shortcuts(config_, scene) : ray::shortcuts(scene);
+  report.biased_shortcuts =
+      one_sample ? shortcuts(config_, scene, request.views.size()) : ray::shortcuts(scene);
   return report;
 }
 

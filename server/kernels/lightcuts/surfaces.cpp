@@ -195,6 +195,15 @@ void carry_reflectors(shading::ReflectorBatch& batch, std::size_t n, Parcel& par
   for (auto* each : {&batch.f90, &batch.cos_v, &batch.alpha}) kernels::carry(*each, n, parcel);
 }
 
+void copy_reflector(const shading::ReflectorBatch& from, std::size_t point,
+                    shading::ReflectorBatch& to, std::size_t i) {
+  to.shading.set(i, from.shading[point]), to.geometric.set(i, from.geometric[point]);
+  to.to_eye.set(i, from.to_eye[point]), to.diffuse.set(i, from.diffuse[point]);
+  to.f0.set(i, from.f0[point]), to.reflectance.set(i, from.reflectance[point]);
+  to.f90.at[i] = from.f90.at[point], to.cos_v.at[i] = from.cos_v.at[point];
+  to.alpha.at[i] = from.alpha.at[point];
+}
+
 void lay_out(const PixelGrid& grid, ViewSurfaces& view) {
   constexpr int kSide = ray::kTileSide;
   view.width = grid.width(), view.height = grid.height();
@@ -215,6 +224,18 @@ std::vector<scheduling::TilePlace> ViewSurfaces::places(std::size_t index) const
   for (const SurfaceTile& tile : tiles)
     places.push_back(scheduling::place_of(tile.rect, width, height, index));
   return places;
+}
+
+void append(const SurfaceTile& from, std::size_t point, SurfaceTile& to) {
+  const ray::LitPoints& old = from.points;
+  ray::LitPoints& points = to.points;
+  const std::size_t i = points.count++;
+  points.position.set(i, old.position[point]);
+  points.ray_origin.set(i, old.ray_origin[point]);
+  copy_reflector(old.reflectors, point, points.reflectors, i);
+  points.keys[i] = old.keys[point];
+  if (points.keeps_whole) points.whole.push_back(old.whole[point]);
+  to.cell_of[i] = from.cell_of[point];
 }
 
 void carry(SurfaceTile& tile, Parcel& parcel) {

@@ -30,6 +30,10 @@ struct SurfaceTile {
   }
 };
 
+/// A point as the next of `to`, which has the same rectangle, to be lit there; `to` is not looked
+/// up by cell.
+void append(const SurfaceTile& from, std::size_t point, SurfaceTile& to);
+
 /// One point of a tile.
 struct SurfaceAt {
   const ray::LitPoints* points = nullptr;  ///< none: nothing was hit

@@ -256,12 +256,13 @@ TEST(LightcutsKernel, MemoryAndSmoothingEachTakeNoiseAway) {
 }
 
 /// Both views of a request are what each is alone, memory included.
-TEST(LightcutsKernel, TwoViewsAreLitAsEachAlone) {
+TEST(LightcutsKernel, WithoutReuseTwoViewsAreLitAsEachAlone) {
   const auto scene = room_of_lamps(60);
   TileScheduler scheduler;
   Config config = perceived();
   config.source = LightSource::Reservoirs;
   config.denoise = Denoise::Yes;
+  config.stereo = StereoReuse::No;
   const LightcutsKernel kernel(config);
   const Shown shown;
   View right = shown.view;
