@@ -40,10 +40,15 @@ Run declare_culling(CLI::App& command, Pace pace) {
       ->check(CLI::Range(32, 4096))
       ->option_text("N (1024)");
   command
+      .add_option("--judged", options->judged,
+                  "Pixels that are judged, drawn by chance: so many in the fovea, and outside")
+      ->check(CLI::Range(16, 1 << 20))
+      ->option_text("N (1024)");
+  command
       .add_option("--reference-samples", options->reference_samples,
-                  "Paths a pixel of each half-reference")
-      ->check(CLI::Range(1, 1 << 16))
-      ->option_text("N (16)");
+                  "Paths for each of them, of each half-reference")
+      ->check(CLI::Range(1, 1 << 20))
+      ->option_text("N (4096)");
   command.add_option("--warm-up", options->warm_up, "Frames before those that are timed")
       ->check(CLI::Range(0, 1000))
       ->option_text("N (8)");
@@ -54,17 +59,18 @@ Run declare_culling(CLI::App& command, Pace pace) {
   add_references(command, options->references);
   command.add_option("--pictures", options->pictures, "Judged pictures")->option_text("FOLDER");
   add_resumable_json(command, options->json);
-  add_quick(command, "512x512, static and both, 256 and 1024 lights, 8 paths, 3 frames after 4");
+  add_quick(command, "512x512, both, 1024 lights, 2 x 256 pixels of 2048 paths, 2 frames after 2");
   std::string methods;
   for (const CullingMethod& method : culling_methods())
     methods += base::concat("  ", method.name, std::string(18 - method.name.size(), ' '),
                             method.summary, "\n");
   command.footer(
       "Every surface is diffuse, one lamp hangs above the eye, a red ball before it. Errors are\n"
-      "those of exposed light, clipped at 1, against paths of one bounce; from_vpls_ against "
-      "every\n"
-      "virtual light at a sixteenth of the pixels, where brightness_error_pct is told too.\n"
-      "all_vpls is rendered there alone and its time is that of the whole picture. Methods:\n" +
+      "those of exposed light, clipped at 1, at pixels drawn by chance, against paths of one bounce;\n"
+      "rmse_se_pct is what that choice and the paths' noise do to rmse_in150 (reference_se_pct: the\n"
+      "noise alone). from_vpls_ and brightness_error_pct are told against every virtual light.\n"
+      "all_vpls is timed at a 64th of the pixels, flc_no_classes at a sixteenth; their time is that\n"
+      "of the whole picture. Methods:\n" +
       methods);
   return [options]() -> Result<void> { return run_culling(*options); };
 }

@@ -15,7 +15,8 @@ struct CullingOptions {
   std::vector<std::string> methods;  ///< empty: all of culling_methods()
   std::vector<int> kept{256, 512, 1024, 2048, 4096};
   int side_px = 1024;
-  int reference_samples = 16;  ///< paths a pixel, of each half-reference
+  int judged = 1024;             ///< pixels inside the fovea, and as many outside
+  int reference_samples = 4096;  ///< paths for each of them, of each half-reference
   int warm_up = 8;             ///< frames that are not measured
   int frames = 4;              ///< frames that are timed; the last is judged
   int threads = 0;             ///< 0: all the machine has
@@ -25,7 +26,7 @@ struct CullingOptions {
   std::string json;            ///< rows that it holds already are not measured again; empty: none
 };
 
-/// 512 x 512, nothing moves or everything does, three numbers of lights, fewer frames and paths.
+/// 512 x 512, everything moves, one number of lights, fewer frames, pixels and paths.
 void make_quick(CullingOptions& options);
 
 Result<void> run_culling(const CullingOptions& options);

@@ -40,7 +40,8 @@ constexpr std::array kMethods{
                     c.space = Space::Cells;
                     c.classes = 1;
                     c.blur_reach = 0;
-                  }},
+                  },
+                  Rendering::Fourth},
     CullingMethod{"flc_literal", "flc as printed: unweighted, unshadowed, best of a chain",
                   [](Config& c) {
                     set_paper(c);
@@ -81,7 +82,7 @@ constexpr std::array kMethods{
                     c.blur_reach = 0;
                     c.newest = 1.0F;
                   },
-                  true},
+                  Rendering::Blocks},
 };
 
 }  // namespace

@@ -10,12 +10,17 @@
 
 namespace macula::bench {
 
+/// Which pixels are rendered; time is told for all. Picture: all. Fourth: the middles of every
+/// fourth pixel each way are a picture of their own. Blocks: sample_of_blocks(), by every light
+/// that is made: one row, whatever is kept.
+enum class Rendering { Picture, Fourth, Blocks };
+
 struct CullingMethod {
   std::string_view name;
   std::string_view summary;
   /// Turns the settings of flc_rays into its own.
   void (*set)(kernels::culling::Config& config);
-  bool keeps_all = false;  ///< lights: one row, rendered for a sample of the pixels
+  Rendering rendering = Rendering::Picture;
 };
 
 std::span<const CullingMethod> culling_methods();

@@ -8,7 +8,6 @@
 #include "server/kernels/registry.h"
 #include "server/scene/built_in/shapes.h"
 #include "server/scene/load.h"
-#include "shared/foveation/eccentricity.h"
 #include "tests/bench/lit_scene.h"
 
 namespace macula::bench {
@@ -70,6 +69,23 @@ void add_ball(scene::Scene& scene, const Pose& eye, bool moves) {
   scene.instances.push_back(instance);
 }
 
+std::shared_ptr<const FoveationMap> map_of(const kernels::View& view,
+                                           const foveation::Display& display) {
+  return std::make_shared<const FoveationMap>(
+      std::vector<FoveationMap::ViewInput>{{view.grid, view.gaze, display.pixel_tangent()}},
+      foveation::RateModel{});
+}
+
+/// Cells four pixels wide about the middles of pixels 2, 6, 10...
+std::vector<float> thinned_edges(const std::vector<float>& edges) {
+  constexpr auto kStep = static_cast<std::size_t>(CullingSetting::kThinning);
+  std::vector<float> thinned;
+  for (std::size_t i = 0; i + 1 < edges.size(); i += kStep)
+    thinned.push_back(0.5F * (edges[i] + edges[i + 1]));
+  thinned.push_back(thinned.back() + thinned[1] - thinned[0]);
+  return thinned;
+}
+
 }  // namespace
 
 Result<SceneMotion> find_motion(const std::string& name) {
@@ -93,145 +109,43 @@ Result<CullingSetting> CullingSetting::create(const std::string& name, SceneMoti
   const auto as_is = kernels::SceneFrame::create(*loaded);
   if (!as_is) return base::forward(as_is);
   CullingSetting setting;
-  setting.view_.world_from_view = starting_pose(**loaded);
-  const Vec3 lamp = lamp_place(**as_is, setting.view_.world_from_view);
+  setting.eye_.view.world_from_view = starting_pose(**loaded);
+  const Vec3 lamp = lamp_place(**as_is, setting.eye_.view.world_from_view);
   auto lit = std::make_shared<scene::Scene>(**loaded);
   switch_off(*lit);
   hang_lamp(*lit, DVec3(lamp), motion == SceneMotion::Light || motion == SceneMotion::Both);
-  add_ball(*lit, setting.view_.world_from_view,
+  add_ball(*lit, setting.eye_.view.world_from_view,
            motion == SceneMotion::Object || motion == SceneMotion::Both);
   const scene::ScenePlan plan(scene::facts_of(*lit), {.kernel = "culling"});
   auto timeline = kernels::SceneTimeline::create(std::move(lit), plan);
   if (!timeline) return base::forward(timeline);
   setting.timeline_ = std::move(*timeline);
   setting.display_ = {math::symmetric_fov(kFov, 1.0), side_px, side_px};
-  setting.view_.grid = foveation::make_uniform_grid(setting.display_);
-  setting.map_ = std::make_shared<const FoveationMap>(
-      std::vector<FoveationMap::ViewInput>{
-          {setting.view_.grid, setting.view_.gaze, setting.display_.pixel_tangent()}},
-      foveation::RateModel{});
+  setting.eye_.view.grid = foveation::make_uniform_grid(setting.display_);
+  setting.eye_.map = map_of(setting.eye_.view, setting.display_);
   return setting;
+}
+
+CullingSetting::Eye CullingSetting::thinned_eye() const {
+  Eye eye = eye_;
+  eye.view.grid.x_edges = thinned_edges(eye_.view.grid.x_edges);
+  eye.view.grid.y_edges = thinned_edges(eye_.view.grid.y_edges);
+  eye.map = map_of(eye.view, display_);
+  return eye;
 }
 
 Result<std::shared_ptr<const kernels::SceneFrame>> CullingSetting::frame(int frame) const {
   return timeline_->at({units::from_s(frame / kRate_hz)});
 }
 
-namespace {
-
-/// Passes of one sample through the middle of each pixel: light alone is left to chance.
-Plane<Rgb> mean_of_paths(const CullingSetting& setting, const kernels::SceneFrame& scene,
-                         int samples, std::uint64_t seed, scheduling::TileScheduler& scheduler) {
-  kernels::KernelOptions options;
-  options.mode = kernels::Mode::Exact;
-  options.jitter = false;
-  options.ambient_samples = 0;
-  options.lambert_only = true;
-  options.bounces = 1;
-  const auto kernel = kernels::make_kernel("brute", options);
-  Plane<Rgb> mean(setting.display().width_px, setting.display().height_px);
-  kernels::FrameBuffers out;
-  kernels::History history;
-  for (int pass = 0; pass < samples; ++pass) {
-    const kernels::FrameRequest request{
-        {&setting.view(), 1}, setting.map(), static_cast<std::uint64_t>(pass), seed};
-    (*kernel)->render(request, scene, history, scheduler, out);
-    const auto from = out.views.front().radiance.pixels();
-    for (std::size_t i = 0; i < mean.size(); ++i)
-      mean.pixels()[i] += from[i] / static_cast<float>(samples);
-  }
-  return mean;
-}
-
-}  // namespace
-
-Result<HalfReferences> path_references(const CullingSetting& setting, const std::string& name,
-                                       int frame, int samples, const PictureCache& cache,
-                                       scheduling::TileScheduler& scheduler) {
-  const auto scene = setting.frame(frame);
-  if (!scene) return base::forward(scene);
-  const auto half = [&](std::uint64_t seed) {
-    Hasher hash;
-    hash.add(hash_of(setting.scene())), hash.add(seed), hash.add(frame), hash.add(samples);
-    hash.add(setting.display().width_px);
-    for (const char letter : name) hash.add(letter);
-    return cache.at(hash.value(), setting.display().width_px, setting.display().height_px,
-                    [&] { return mean_of_paths(setting, **scene, samples, seed, scheduler); });
-  };
-  return HalfReferences{half(0x5EED'0001U), half(0x5EED'0002U)};
-}
-
-CullingJudge::CullingJudge(const CullingSetting& setting, HalfReferences references)
-    : setting_(setting), references_(std::move(references)) {}
-
-bool CullingJudge::inside(const image::Pixel& pixel) const {
-  const auto& view = setting_.view();
-  return foveation::eccentricity(view.gaze.direction, view.grid.ray(pixel.x, pixel.y)) <=
-         Radians{CullingSetting::fovea()};
-}
-
-Rgb CullingJudge::shown(const Rgb& radiance) const {
-  const float gain = std::exp2(setting_.view().tone.exposure_ev);
-  return glm::clamp(gain * radiance, Rgb{0.0F}, Rgb{1.0F});
-}
-
-namespace {
-
-std::vector<image::Pixel> all_pixels(const Plane<Rgb>& plane) {
-  std::vector<image::Pixel> pixels;
-  for (int y = 0; y < plane.height(); ++y)
-    for (int x = 0; x < plane.width(); ++x) pixels.push_back({x, y});
-  return pixels;
-}
-
-}  // namespace
-
-FoveaErrors CullingJudge::errors(const Plane<Rgb>& radiance,
-                                 std::span<const image::Pixel> pixels) const {
-  if (pixels.empty()) return errors(radiance, all_pixels(radiance));
-  FoveaErrors errors;
-  for (const image::Pixel& at : pixels) {
-    const Rgb value = shown(radiance(at.x, at.y));
-    (inside(at) ? errors.inside : errors.outside)
-        .add(value - shown(references_.first(at.x, at.y)),
-             value - shown(references_.second(at.x, at.y)));
-  }
-  return errors;
-}
-
-FoveaErrors CullingJudge::difference(const Plane<Rgb>& a, const Plane<Rgb>& b,
-                                     std::span<const image::Pixel> pixels) const {
-  FoveaErrors errors;
-  for (const image::Pixel& at : pixels) {
-    const Rgb off = shown(a(at.x, at.y)) - shown(b(at.x, at.y));
-    (inside(at) ? errors.inside : errors.outside).add(off, off);
-  }
-  return errors;
-}
-
-Plane<Rgb> CullingJudge::reference() const {
-  Plane<Rgb> mean = references_.first;
-  for (std::size_t i = 0; i < mean.size(); ++i)
-    mean.pixels()[i] = 0.5F * (mean.pixels()[i] + references_.second.pixels()[i]);
-  return mean;
-}
-
 std::vector<image::Pixel> sample_of_blocks(const foveation::Display& display) {
-  constexpr int kBlock = 4, kStride = 16;
+  constexpr int kBlock = 4, kStride = 32;
   std::vector<image::Pixel> pixels;
   for (int top = kStride / 2; top + kBlock <= display.height_px; top += kStride)
     for (int left = kStride / 2; left + kBlock <= display.width_px; left += kStride)
       for (int y = 0; y < kBlock; ++y)
         for (int x = 0; x < kBlock; ++x) pixels.push_back({left + x, top + y});
   return pixels;
-}
-
-double mean_luminance(const Plane<Rgb>& radiance, std::span<const image::Pixel> pixels) {
-  if (pixels.empty()) return mean_luminance(radiance, all_pixels(radiance));
-  double sum = 0.0;
-  for (const image::Pixel& at : pixels)
-    sum += static_cast<double>(image::luminance(radiance(at.x, at.y)));
-  return sum / static_cast<double>(pixels.size());
 }
 
 }  // namespace macula::bench

@@ -6,11 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/kernels/culling/culling_kernel.h"
-#include "server/kernels/culling/keep_lights.h"
+#include "server/kernels/kernel.h"
 #include "server/kernels/scene_timeline.h"
-#include "tests/bench/ray_quality.h"
-#include "tests/bench/stopwatch.h"
 
 namespace macula::bench {
 
@@ -30,55 +27,27 @@ class CullingSetting {
 
   /// The scene in frame `frame` of its motion.
   Result<std::shared_ptr<const kernels::SceneFrame>> frame(int frame) const;
-  const kernels::View& view() const { return view_; }
-  const FoveationMap& map() const { return *map_; }
+  struct Eye {
+    kernels::View view;
+    std::shared_ptr<const FoveationMap> map;
+  };
+  const Eye& eye() const { return eye_; }
+  const kernels::View& view() const { return eye_.view; }
+  const FoveationMap& map() const { return *eye_.map; }
+  /// The same eye; the middles of its cells are those of pixels kThinning * cell + kThinning / 2.
+  static constexpr int kThinning = 4;
+  Eye thinned_eye() const;
   const foveation::Display& display() const { return display_; }
   const scene::Scene& scene() const { return timeline_->scene(); }
-  void set_exposure(float ev) { view_.tone.exposure_ev = ev; }
+  void set_exposure(float ev) { eye_.view.tone.exposure_ev = ev; }
 
  private:
   std::shared_ptr<kernels::SceneTimeline> timeline_;
   foveation::Display display_;
-  kernels::View view_;
-  std::shared_ptr<const FoveationMap> map_;
+  Eye eye_;
 };
 
-/// Two independent pictures of paths of one bounce, `samples` of them a pixel each, of frame
-/// `frame`.
-Result<HalfReferences> path_references(const CullingSetting& setting, const std::string& name,
-                                       int frame, int samples, const PictureCache& cache,
-                                       scheduling::TileScheduler& scheduler);
-
-/// Errors inside and outside of the fovea, of exposed light that a display clips at 1.
-struct FoveaErrors {
-  CrossError inside, outside;
-  double ratio() const { return outside.rmse() / inside.rmse(); }
-};
-
-class CullingJudge {
- public:
-  CullingJudge(const CullingSetting& setting, HalfReferences references);
-
-  /// Over the listed pixels; none: over all.
-  FoveaErrors errors(const Plane<Rgb>& radiance, std::span<const image::Pixel> pixels = {}) const;
-  /// How alike another picture is to a third, noise and all.
-  FoveaErrors difference(const Plane<Rgb>& a, const Plane<Rgb>& b,
-                         std::span<const image::Pixel> pixels) const;
-  Plane<Rgb> reference() const;
-
- private:
-  bool inside(const image::Pixel& pixel) const;
-  Rgb shown(const Rgb& radiance) const;
-
-  const CullingSetting& setting_;
-  HalfReferences references_;
-};
-
-/// Blocks of 4 x 4 pixels, every fourth each way: a sixteenth of the picture, in the order of
-/// tiles.
+/// Blocks of 4 x 4 pixels, every eighth each way: a 64th of the picture, in the order of tiles.
 std::vector<image::Pixel> sample_of_blocks(const foveation::Display& display);
-
-/// Mean luminance of the listed pixels, of all if none are.
-double mean_luminance(const Plane<Rgb>& radiance, std::span<const image::Pixel> pixels = {});
 
 }  // namespace macula::bench
