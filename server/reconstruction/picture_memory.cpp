@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace macula::reconstruction {
 
@@ -22,6 +23,13 @@ PictureJoin::PictureJoin(const PictureMemory* last, const SteadyConfig& config,
   anything_.resize(last->roots.width(), last->roots.height(), 0.0F);
   warp_.emplace(now.world_from_view, now.grid, last->world_from_view, last->grid);
   places_.resize(static_cast<std::size_t>(fresh.height()));
+}
+
+void PictureJoin::follow(const Movers& movers) {
+  if (!warp_) return;
+  movers_ = &movers;
+  for (const Pose& then_from_now : movers.then_from_now)
+    carried_.emplace_back(then_from_now * now_.world_from_view, last_->world_from_view);
 }
 
 PictureJoin::Span PictureJoin::locate_row(int y) {
@@ -66,9 +74,20 @@ void PictureJoin::join_row(int y, std::span<Rgb> shown) {
 RowPlaces PictureJoin::places_of(int y) const {
   const auto width = static_cast<std::size_t>(fresh_.width());
   std::vector<float> inverse_depth(width);
-  for (std::size_t i = 0; i < width; ++i) inverse_depth[i] = nearest(static_cast<int>(i), y);
+  std::vector<std::pair<std::size_t, std::uint32_t>> moved;  // cells, and who moved them
+  for (std::size_t i = 0; i < width; ++i) {
+    const Front front = nearest(static_cast<int>(i), y);
+    inverse_depth[i] = front.inverse_depth;
+    const std::uint32_t mover = movers_ != nullptr ? movers_->of(front.x, front.y) : 0;
+    if (mover > 0) moved.emplace_back(i, mover - 1);
+  }
   RowPlaces places;
   warp_->row(y, inverse_depth, places);
+  for (const auto& [i, mover] : moved) {
+    const RowWarp::Place then =
+        warp_->then(static_cast<int>(i), y, inverse_depth[i], carried_[mover]);
+    places.x[i] = then.x, places.y[i] = then.y, places.inverse_depth[i] = then.inverse_depth;
+  }
   for (float& w : places.inverse_depth) w = std::min(w, 0.0F);  // negative: behind the eye then
   return places;
 }
@@ -92,14 +111,14 @@ float PictureJoin::frames(const Row& row, int x, int y) const {
 }
 
 /// The surface in front moves edges.
-float PictureJoin::nearest(int x, int y) const {
-  float most = 0.0F;
+PictureJoin::Front PictureJoin::nearest(int x, int y) const {
+  Front front{0.0F, x, y};
   for (int ny = std::max(y - 1, 0); ny <= std::min(y + 1, fresh_.height() - 1); ++ny) {
     for (int nx = std::max(x - 1, 0); nx <= std::min(x + 1, fresh_.width() - 1); ++nx) {
-      most = std::max(most, inverse_depth_(nx, ny));
+      if (inverse_depth_(nx, ny) > front.inverse_depth) front = {inverse_depth_(nx, ny), nx, ny};
     }
   }
-  return most;
+  return front;
 }
 
 PictureJoin::Bounds PictureJoin::around(int x, int y) const {

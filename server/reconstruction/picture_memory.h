@@ -5,6 +5,7 @@
 // (variance clipping).
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,14 @@ struct PictureMemory {
   image::Plane<float> frames;  ///< that went into each cell
 };
 
+/// What of a picture has moved by itself since the last frame.
+struct Movers {
+  /// By cell: 0, nothing that moves, or 1 + an index of then_from_now.
+  image::Plane<std::uint32_t> of;
+  /// Where a point that is carried along was, world, meters.
+  std::vector<Pose> then_from_now;
+};
+
 struct SteadyConfig {
   float most_frames = 8.0F;  ///< that the memory counts for at most, >= 1
   float deviations = 1.25F;  ///< of 3 x 3 cells now, that it may be off their mean
@@ -37,6 +46,9 @@ class PictureJoin {
   PictureJoin(const PictureMemory* last, const SteadyConfig& config, const image::Plane<Rgb>& fresh,
               const image::Plane<float>& inverse_depth, PictureMemory& now);
 
+  /// Before any row: surfaces that moved bring what they showed along. Refers to `movers`, whose
+  /// plane has the picture's size.
+  void follow(const Movers& movers);
   void prepare_row(int y);
   /// Rows [begin, end) of `last` that join_row(y) reads, which also reads the prepared ones beside
   /// it. Optional; once for a row.
@@ -58,7 +70,11 @@ class PictureJoin {
   Row read(int y);
   float frames(const Row& row, int x, int y) const;
   Bounds around(int x, int y) const;
-  float nearest(int x, int y) const;
+  struct Front {
+    float inverse_depth = 0.0F;
+    int x = 0, y = 0;
+  };
+  Front nearest(int x, int y) const;
 
   const PictureMemory* last_;
   const SteadyConfig& config_;
@@ -69,6 +85,8 @@ class PictureJoin {
   image::Plane<float> anything_;  ///< inverse depths then, that agree with every other
   CellAreas areas_now_, areas_then_;
   std::optional<RowWarp> warp_;
+  const Movers* movers_ = nullptr;
+  std::vector<RowWarp::Eye> carried_;  ///< by mover: the eye that moved with it
   std::vector<RowPlaces> places_;  ///< by row, of those that were located
 };
 

@@ -28,8 +28,18 @@ class RowWarp {
   struct Place {
     float x = 0.0F, y = 0.0F, inverse_depth = 0.0F;
   };
+  /// Where the eye stands and looks now, in the view frame then.
+  struct Eye {
+    Mat3 rotation{1.0F};
+    Vec3 origin{0.0F};
+
+    Eye() = default;
+    Eye(const Pose& world_from_now, const Pose& world_from_then);
+  };
   /// Of one cell now, seen at an inverse depth >= 0 of 1/m.
-  Place then(int x, int y, float inverse_depth) const;
+  Place then(int x, int y, float inverse_depth) const { return then(x, y, inverse_depth, eye_); }
+  /// The same, had the eye come from elsewhere: what it sees moved by itself.
+  Place then(int x, int y, float inverse_depth, const Eye& eye) const;
   /// Inverse depth now of what lies at a cell position then.
   float inverse_depth_now(const Vec2& tangent_then, float inverse_depth_then) const;
   /// The function above for row y: inverse_depth.size() is the grid's width.
@@ -42,8 +52,7 @@ class RowWarp {
   float tangent_y(int y) const { return tangent_y_[y]; }
 
  private:
-  Mat3 then_from_now_rotation_;
-  Vec3 then_from_now_origin_;                 ///< the eye now, in the view frame then
+  Eye eye_;
   std::vector<float> tangent_x_, tangent_y_;  ///< of the centres now
   AxisLocator x_then_, y_then_;
 };

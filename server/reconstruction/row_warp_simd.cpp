@@ -94,21 +94,22 @@ HWY_EXPORT(warp_row);
 
 RowWarp::RowWarp(const Pose& world_from_now, const PixelGrid& grid_now, const Pose& world_from_then,
                  const PixelGrid& grid_then)
-    : then_from_now_rotation_(1.0F),
-      then_from_now_origin_(0.0F),
+    : eye_(world_from_now, world_from_then),
       tangent_x_(centres(grid_now.x_edges)),
       tangent_y_(centres(grid_now.y_edges)),
       x_then_(grid_then.x_edges),
-      y_then_(grid_then.y_edges) {
+      y_then_(grid_then.y_edges) {}
+
+RowWarp::Eye::Eye(const Pose& world_from_now, const Pose& world_from_then) {
   const Pose then_from_now = math::inverse(world_from_then) * world_from_now;
-  then_from_now_rotation_ = Mat3(glm::mat3_cast(then_from_now.rotation));
-  then_from_now_origin_ = Vec3(then_from_now.position);
+  rotation = Mat3(glm::mat3_cast(then_from_now.rotation));
+  origin = Vec3(then_from_now.position);
 }
 
-RowWarp::Place RowWarp::then(int x, int y, float inverse_depth) const {
+RowWarp::Place RowWarp::then(int x, int y, float inverse_depth, const Eye& eye) const {
   const Vec3 direction =
-      then_from_now_rotation_ * math::direction_from_tangent(Vec2{tangent_x_[x], tangent_y_[y]});
-  const Vec3 point = direction + inverse_depth * then_from_now_origin_;
+      eye.rotation * math::direction_from_tangent(Vec2{tangent_x_[x], tangent_y_[y]});
+  const Vec3 point = direction + inverse_depth * eye.origin;
   if (!(point.z < 0.0F)) return {0.0F, 0.0F, -1.0F};
   const Vec2 tangent = math::tangent_from_direction(point);
   return {x_then_.locate(tangent.x), y_then_.locate(tangent.y), inverse_depth / -point.z};
@@ -116,8 +117,8 @@ RowWarp::Place RowWarp::then(int x, int y, float inverse_depth) const {
 
 float RowWarp::inverse_depth_now(const Vec2& tangent_then, float inverse_depth_then) const {
   const Vec3 seen =
-      math::direction_from_tangent(tangent_then) - inverse_depth_then * then_from_now_origin_;
-  const float ahead = -glm::dot(then_from_now_rotation_[2], seen);
+      math::direction_from_tangent(tangent_then) - inverse_depth_then * eye_.origin;
+  const float ahead = -glm::dot(eye_.rotation[2], seen);
   return ahead > 0.0F ? inverse_depth_then / ahead : -1.0F;
 }
 
@@ -130,8 +131,8 @@ void RowWarp::row(int y, std::span<const float> tangent_x, std::span<const float
   MACULA_CHECK(inverse_depth.size() == tangent_x.size());
   places.resize(inverse_depth.size());
   const Vec3 base =
-      then_from_now_rotation_ * math::direction_from_tangent(Vec2{0.0F, tangent_y_[y]});
-  const RowArguments arguments{base, then_from_now_rotation_[0], then_from_now_origin_, x_then_,
+      eye_.rotation * math::direction_from_tangent(Vec2{0.0F, tangent_y_[y]});
+  const RowArguments arguments{base, eye_.rotation[0], eye_.origin, x_then_,
                                y_then_};
   HWY_DYNAMIC_DISPATCH(warp_row)
   (arguments, tangent_x.data(), inverse_depth.data(), inverse_depth.size(), places);

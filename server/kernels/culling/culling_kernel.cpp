@@ -4,6 +4,7 @@
 
 #include "server/kernels/culling/keep_lights.h"
 #include "server/kernels/culling/light_cuts.h"
+#include "server/kernels/culling/moved_objects.h"
 #include "server/kernels/culling/stage_clock.h"
 #include "server/kernels/culling/steady_picture.h"
 #include "server/kernels/culling/texel_light.h"
@@ -73,13 +74,14 @@ class Calming {
 
   FrameReport run(CullingHistory& memory, FrameBuffers& out) const {
     const bool remembers = memory.views.size() == request_.views.size();
+    const std::vector<reconstruction::Movers> movers = movers_of(memory.objects, out);
     std::vector<ViewMemory> now(request_.views.size());
     FrameReport report;
     for (std::size_t v = 0; v < request_.views.size(); ++v) {
       Plane<Rgb> light = own_light(v, out.views[v], report);
       if (remembers && config_.newest < 1.0F) {
-        remember(request_.views[v], out.views[v], memory.views[v], config_.newest, scheduler_,
-                 light);
+        remember(request_.views[v], out.views[v], memory.views[v], movers[v], config_.newest,
+                 scheduler_, light);
       }
       replace_light(out.views[v], light);
       const View& view = request_.views[v];
@@ -88,12 +90,22 @@ class Calming {
     }
     memory.views = std::move(now);
     const bool steady = config_.picture_frames > 1 && !report.stopped;
-    memory.pictures = steady ? join_pictures(memory.pictures, out, report)
+    memory.pictures = steady ? join_pictures(memory.pictures, movers, out, report)
                              : std::vector<reconstruction::PictureMemory>{};
+    if (has_moving_objects(scene_)) memory.objects = places_of_objects(scene_);
     return report;
   }
 
  private:
+  /// By view.
+  std::vector<reconstruction::Movers> movers_of(const scene::ScenePose& before,
+                                                const FrameBuffers& out) const {
+    std::vector<reconstruction::Movers> movers(out.views.size());
+    if (!has_moving_objects(scene_)) return movers;
+    for (std::size_t v = 0; v < movers.size(); ++v)
+      movers[v] = movers_in(out.views[v], before, scene_);
+    return movers;
+  }
   /// Of this frame alone.
   Plane<Rgb> own_light(std::size_t v, const ViewBuffers& buffers, FrameReport& report) const {
     const View& view = request_.views[v];
@@ -108,14 +120,15 @@ class Calming {
   }
 
   std::vector<reconstruction::PictureMemory> join_pictures(
-      std::span<const reconstruction::PictureMemory> last, FrameBuffers& out,
+      std::span<const reconstruction::PictureMemory> last,
+      std::span<const reconstruction::Movers> movers, FrameBuffers& out,
       FrameReport& report) const {
     std::vector<reconstruction::PictureMemory> now(request_.views.size());
     const bool remembers = last.size() == now.size();
     for (std::size_t v = 0; v < now.size() && !report.stopped; ++v) {
       report.stopped =
-          steady_picture(request_.views[v], remembers ? &last[v] : nullptr, config_.picture_frames,
-                         scheduler_, out.views[v], now[v]) == scheduling::Outcome::Stopped;
+          steady_picture(request_.views[v], remembers ? &last[v] : nullptr, movers[v],
+                         config_.picture_frames, scheduler_, out.views[v], now[v]) == scheduling::Outcome::Stopped;
     }
     return now;
   }
@@ -177,8 +190,9 @@ FrameReport CullingKernel::render(const FrameRequest& request, const SceneFrame&
   const KeptLights kept = keep_lights(request, scene, config_, memory, scheduler);
   const LightSetup setup(config_, kept);
   const bool in_cells = lights_in_cells(config_);
-  const unsigned wanted =
-      std::exchange(out.wanted, exact ? out.wanted : out.wanted | kLight | kNormal);
+  const unsigned for_calming =
+      exact ? 0U : kLight | kNormal | (has_moving_objects(scene) ? kSurfaceId : 0U);
+  const unsigned wanted = std::exchange(out.wanted, out.wanted | for_calming);
   prepare_buffers(request.views, out);
   FrameReport report = kept.report;
   memory.made = kept.made, memory.kept = kept.lights.size(), memory.stages = kept.stages;

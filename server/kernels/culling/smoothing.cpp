@@ -62,30 +62,43 @@ Range range_around(const Plane<Rgb>& light, int x, int y, int window) {
 
 class Remembering {
  public:
-  Remembering(const View& view, const ViewBuffers& buffers, const ViewMemory& then)
-      : view_(view),
-        buffers_(buffers),
-        then_(then),
-        warp_(view.world_from_view, then.world_from_view, then.grid) {}
+  Remembering(const View& view, const ViewBuffers& buffers, const ViewMemory& then,
+              const reconstruction::Movers& movers)
+      : view_(view), buffers_(buffers), then_(then), movers_(movers) {
+    add_way({});
+    for (const Pose& then_from_now : movers.then_from_now) add_way(then_from_now);
+  }
 
   /// What was remembered of what is seen there now.
   std::optional<Rgb> at(int x, int y) const {
     const float depth = buffers_.depth_m(x, y);
     if (!std::isfinite(depth)) return std::nullopt;
-    const auto place = warp_.then(view_.grid.tangent(x, y), depth);
+    const Way& way = ways_[movers_.then_from_now.empty() ? 0 : movers_.of(x, y)];
+    const auto place = way.warp.then(view_.grid.tangent(x, y), depth);
     if (!place) return std::nullopt;
     const int tx = static_cast<int>(place->cell.x), ty = static_cast<int>(place->cell.y);
     if (!then_.depth_m.contains(tx, ty)) return std::nullopt;
     const bool same = std::abs(then_.depth_m(tx, ty) - place->depth_m) <= kSameDepth * depth &&
-                      glm::dot(then_.normal(tx, ty), buffers_.normal(x, y)) > kSameNormal;
+                      glm::dot(then_.normal(tx, ty), way.turn * buffers_.normal(x, y)) > kSameNormal;
     return same ? std::optional(then_.light(tx, ty)) : std::nullopt;
   }
 
  private:
+  struct Way {
+    reconstruction::BackwardWarp warp;
+    Mat3 turn;  ///< of normals, then from now
+  };
+  void add_way(const Pose& then_from_now) {
+    ways_.push_back(
+        {{then_from_now * view_.world_from_view, then_.world_from_view, then_.grid},
+         Mat3(glm::mat3_cast(then_from_now.rotation))});
+  }
+
   const View& view_;
   const ViewBuffers& buffers_;
   const ViewMemory& then_;
-  reconstruction::BackwardWarp warp_;
+  const reconstruction::Movers& movers_;
+  std::vector<Way> ways_;  ///< of what stays, then by mover
 };
 
 double eccentricity_at(const View& view, int x, int y) {
@@ -116,9 +129,10 @@ Plane<Rgb> shared_light(const View& view, const ViewBuffers& buffers, int reach,
   return light;
 }
 
-void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& then, float newest,
-              TileScheduler& scheduler, Plane<Rgb>& light) {
-  const Remembering memory(view, buffers, then);
+void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& then,
+              const reconstruction::Movers& movers, float newest, TileScheduler& scheduler,
+              Plane<Rgb>& light) {
+  const Remembering memory(view, buffers, then, movers);
   const Plane<Rgb> now = light;
   const double largest = std::max(largest_eccentricity(view), 1e-6);  // radians; a view has width
   const auto remember_row = [&](std::size_t row) {

@@ -9,6 +9,7 @@
 
 #include "server/kernels/culling/config.h"
 #include "server/kernels/kernel.h"
+#include "server/reconstruction/picture_memory.h"
 
 namespace macula::kernels::culling {
 
@@ -30,9 +31,11 @@ Plane<Rgb> shared_light(const View& view, const ViewBuffers& buffers, int reach,
                         TileScheduler& scheduler);
 
 /// Adds what `then` remembers of every cell: (1 - newest) of it where the same surface was seen,
-/// held to the range of the cells around, a window of clamp_window(eccentricity).
-void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& then, float newest,
-              TileScheduler& scheduler, Plane<Rgb>& light);
+/// held to the range of the cells around, a window of clamp_window(eccentricity). What `movers`
+/// tells to have moved is found where it was.
+void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& then,
+              const reconstruction::Movers& movers, float newest, TileScheduler& scheduler,
+              Plane<Rgb>& light);
 
 /// Cells a side, odd, 3 to 9: eta = clamp(3 + 2 floor((q - 0.10) / 0.05), 3, 9) (section 3.5), q
 /// the eccentricity over the largest in the view.

@@ -10,7 +10,8 @@ using scheduling::Outcome;
 /// Tighter than elsewhere: what lamps that move or come on add to all around is to show at once.
 constexpr float kDeviations = 1.0F;
 
-Outcome steady_picture(const View& view, const reconstruction::PictureMemory* last, int most_frames,
+Outcome steady_picture(const View& view, const reconstruction::PictureMemory* last,
+                       const reconstruction::Movers& movers, int most_frames,
                        TileScheduler& scheduler, ViewBuffers& buffers,
                        reconstruction::PictureMemory& memory) {
   const image::Plane<Rgb>& fresh = buffers.radiance;
@@ -21,6 +22,7 @@ Outcome steady_picture(const View& view, const reconstruction::PictureMemory* la
   memory.grid = view.grid;
   const reconstruction::SteadyConfig settings{static_cast<float>(most_frames), kDeviations};
   reconstruction::PictureJoin joined(last, settings, fresh, inverse_depth, memory);
+  if (!movers.then_from_now.empty()) joined.follow(movers);
   image::Plane<Rgb> shown(fresh.width(), fresh.height());
   const auto rows = [&](const auto& body) {
     return scheduler.run(static_cast<std::size_t>(shown.height()),

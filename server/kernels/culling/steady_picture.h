@@ -8,9 +8,11 @@
 namespace macula::kernels::culling {
 
 /// Joins buffers.radiance, linear, with what `last` remembers (none: nothing). `most_frames` >= 1.
-/// `memory` is for the next frame. Reads depth_m.
+/// What `movers` tells to have moved is found where it was. `memory` is for the next frame. Reads
+/// depth_m.
 scheduling::Outcome steady_picture(const View& view, const reconstruction::PictureMemory* last,
-                                   int most_frames, TileScheduler& scheduler, ViewBuffers& buffers,
+                                   const reconstruction::Movers& movers, int most_frames,
+                                   TileScheduler& scheduler, ViewBuffers& buffers,
                                    reconstruction::PictureMemory& memory);
 
 }  // namespace macula::kernels::culling

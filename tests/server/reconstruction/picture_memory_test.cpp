@@ -22,6 +22,7 @@ struct Frames {
   PictureMemory memory;
   image::Plane<Rgb> shown;
   int count = 0;
+  const Movers* movers = nullptr;
 
   /// A wall straight ahead of an eye that has moved to the right.
   void show(float right_m, const Shows& shows) {
@@ -37,6 +38,7 @@ struct Frames {
     }
     const image::Plane<float> inverse_depth(kSide, kSide, 1.0F / kWall_m);
     PictureJoin joined(count > 0 ? &memory : nullptr, config, fresh, inverse_depth, now);
+    if (movers != nullptr) joined.follow(*movers);
     shown = image::Plane<Rgb>(kSide, kSide);
     for (int y = 0; y < kSide; ++y) joined.prepare_row(y);
     for (int y = 0; y < kSide; ++y) joined.join_row(y, shown.row(y));
@@ -91,6 +93,31 @@ TEST(PictureMemory, WhatIsShownStaysOnItsSurfaceWhileTheEyeMoves) {
   Frames frames;
   for (int k = 0; k < 10; ++k) frames.show(0.03F * static_cast<float>(k), striped);
   EXPECT_LT(frames.rms(0.27F, striped), 0.02);
+}
+
+// Beads of a turning ring dissolved: what they had shown was looked for where the background was.
+TEST(PictureMemory, WhatIsShownStaysOnASurfaceThatMovesWhileTheEyeIsStill) {
+  constexpr float kStep_m = 0.05F;
+  const Shows carried = [](const Vec2& place, int frame) {
+    return striped(place - Vec2{kStep_m * static_cast<float>(frame), 0.0F}, frame);
+  };
+  constexpr int kFrames = 10;
+  const Shows last = [&](const Vec2& place, int) { return carried(place, kFrames - 1); };
+  const auto rms_with = [&](const Movers* movers) {
+    Frames frames;
+    frames.config.deviations = 3.0F;
+    frames.movers = movers;
+    for (int k = 0; k < kFrames; ++k) frames.show(0.0F, carried);
+    return frames.rms(0.0F, last);
+  };
+  Movers wall;
+  wall.of.resize(kSide, kSide, 1U);
+  wall.then_from_now.resize(1);
+  wall.then_from_now.front().position = {-static_cast<double>(kStep_m), 0.0, 0.0};
+  EXPECT_LT(rms_with(&wall), 0.02);
+  EXPECT_GT(rms_with(nullptr), 0.05) << "left where it was";
+  wall.of.resize(0, 0), wall.of.resize(kSide, kSide, 0U);
+  EXPECT_GT(rms_with(&wall), 0.05) << "cells of nothing that moves are not carried";
 }
 
 TEST(PictureMemory, WhatThePictureNoLongerShowsIsForgottenAtOnce) {

@@ -5,11 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 
 #include "server/kernels/culling/importance.h"
+#include "server/kernels/culling/moved_objects.h"
 #include "server/kernels/culling/shading_points.h"
 #include "server/kernels/culling/smoothing.h"
 #include "server/kernels/culling/stochastic_culling.h"
+#include "server/scene/load.h"
 #include "shared/foveation/pixel_grid.h"
 
 namespace macula::kernels::culling {
@@ -237,12 +240,60 @@ TEST(Smoothing, RemembersWhatStaysAndForgetsWhatIsOutOfRange) {
                   picture.buffers.normal, Plane<Rgb>(24, 24, Rgb{9.0F})};
   TileScheduler scheduler(1);
   Plane<Rgb> light = picture.buffers.light;
-  remember(picture.view, picture.buffers, then, 0.25F, scheduler, light);
+  remember(picture.view, picture.buffers, then, {}, 0.25F, scheduler, light);
   EXPECT_FLOAT_EQ(light(12, 12).x, 1.0F) << "nine is not in the range of what is seen";
   light(13, 12) = Rgb{2.0F};
   then.light = Plane<Rgb>(24, 24, Rgb{1.5F});
-  remember(picture.view, picture.buffers, then, 0.25F, scheduler, light);
+  remember(picture.view, picture.buffers, then, {}, 0.25F, scheduler, light);
   EXPECT_FLOAT_EQ(light(12, 12).x, 0.75F * 1.5F + 0.25F * 1.0F);
+}
+
+TEST(Smoothing, RemembersWhatMovedWhereItWas) {
+  Picture picture;
+  ViewMemory then{picture.view.world_from_view, picture.view.grid, picture.buffers.depth_m,
+                  picture.buffers.normal, Plane<Rgb>(24, 24)};
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      picture.buffers.light(x, y) = Rgb{x % 2 == 0 ? 0.0F : 100.0F};  // no bounds
+      then.light(x, y) = Rgb{static_cast<float>(x)};
+    }
+  }
+  constexpr int kCells = 3;
+  const double cell_m = 2.0 * (picture.view.grid.x_edges[1] - picture.view.grid.x_edges[0]);
+  reconstruction::Movers movers;
+  movers.of.resize(24, 24, 0U);
+  for (int y = 0; y < 24; ++y) movers.of(12, y) = 1;
+  movers.then_from_now.resize(1);
+  movers.then_from_now.front().position = {-kCells * cell_m, 0.0, 0.0};
+  TileScheduler scheduler(1);
+  Plane<Rgb> light = picture.buffers.light;
+  remember(picture.view, picture.buffers, then, movers, 0.5F, scheduler, light);
+  EXPECT_NEAR(light(12, 12).x, 0.5F * (12 - kCells), 1e-3F) << "three cells to the left then";
+  EXPECT_NEAR(light(14, 12).x, 0.5F * 14, 1e-3F) << "beside it nothing moved";
+}
+
+TEST(MovedObjects, AreFoundInCellsAndLedBackToWhereTheyWere) {
+  const auto scene = *scene::load_scene("moving");
+  const auto before = *SceneFrame::create(scene, {units::from_s(0.2)});
+  const auto now = *SceneFrame::create(scene, {units::from_s(0.3)});
+  const auto count = static_cast<int>(scene->instances.size());
+  ViewBuffers buffers;
+  buffers.surface_id.resize(count + 1, 1);  // nothing, then every instance
+  for (int x = 0; x <= count; ++x) buffers.surface_id(x, 0) = static_cast<std::uint32_t>(x);
+  ASSERT_TRUE(has_moving_objects(*now));
+  const auto movers = movers_in(buffers, places_of_objects(*before), *now);
+  EXPECT_GT(movers.then_from_now.size(), 3U);
+  EXPECT_EQ(movers.of(0, 0), 0U);
+  for (int x = 1; x <= count; ++x) {
+    const DMat4& to = now->pose().world_from_object[x - 1];
+    const DMat4& from = before->pose().world_from_object[x - 1];
+    const DVec3 place(to * DVec4(0.1, 0.2, 0.3, 1.0)), was(from * DVec4(0.1, 0.2, 0.3, 1.0));
+    if (movers.of(x, 0) == 0) continue;
+    const Pose& then_from_now = movers.then_from_now[movers.of(x, 0) - 1];
+    EXPECT_LT(glm::distance(then_from_now.rotation * place + then_from_now.position, was), 1e-5);
+  }
+  EXPECT_TRUE(movers_in(buffers, places_of_objects(*now), *now).then_from_now.empty());
+  EXPECT_TRUE(movers_in(buffers, {}, *now).then_from_now.empty()) << "a first frame";
 }
 
 TEST(Smoothing, ClampsInOddWindowsThatGrowOutwards) {
