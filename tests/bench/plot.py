@@ -4,7 +4,8 @@
 sphere: figure_11.png (speed-up without foveation over samples a pixel), figure_12.png (time a frame
 over the fovea's radius), primitives.png (time a frame over the number of primitives, from scenes
 primitives-N) and table_1.txt (SSIM and FLIP at the fovea nearest 7.5 degrees).
-culling: error_over_kept.png, error_over_time.png and equal_time.txt (each baseline's error, read off its own
+culling: vpl_contrast.png (contributions with and without BLSO), limitation.png (log-polar space and interleaving,
+with and without), error_over_kept.png, error_over_time.png and equal_time.txt (each baseline's error, read off its own
 curve at the time that flc, flc_rays and flc_fast took, over theirs).
 lightcuts: error_over_time.png (every method's error in F25 and outside over time), figure_8.png and table_4.txt (error and
 time over alpha, from --alphas); error maps and pictures per alpha (figures 5 and 7) are written by --pictures.
@@ -118,6 +119,34 @@ def culling_curves(rows, folder):
                          ylim=(0, None))
         axes[0][0].legend(fontsize=6)
         figure.tight_layout()
+        figure.savefig(folder / f"{name}.png", dpi=110)
+
+
+def culling_switches(rows, folder):
+    """The paper's figures VPLContrast and Limitation: flc beside itself with one of its parts off."""
+    figures = {"vpl_contrast": ("flc", "flc_no_blso"),
+               "limitation": ("flc", "flc_no_logpolar", "flc_no_classes")}
+    for name, methods in figures.items():
+        kept = [row for row in rows if row["method"] in methods]
+        if {row["method"] for row in kept} != set(methods):
+            continue
+        most = max(values(kept, "asked_for"))
+        cases = sorted({(row["scene"], row["motion"]) for row in kept})
+        figure, axes = plt.subplots(1, 3, figsize=(7 + 2 * len(cases), 3.8))
+        for axis, (key, label) in zip(axes, (("rmse_in150", "RMSE in the fovea"),
+                                             ("rmse_out150", "RMSE outside"), ("cpu_ms", "CPU ms a frame"))):
+            for index, method in enumerate(methods):
+                found = {(row["scene"], row["motion"]): row[key]
+                         for row in select(kept, method=method, asked_for=most)}
+                places = [place + (index - (len(methods) - 1) / 2) * 0.8 / len(methods)
+                          for place, case in enumerate(cases) if case in found]
+                axis.bar(places, [found[case] for case in cases if case in found], 0.8 / len(methods), label=method)
+            axis.set_xticks(range(len(cases)), [f"{scene}\n{motion}" for scene, motion in cases], fontsize=7)
+            axis.set_title(label, fontsize=9)
+        axes[2].set_yscale("log")
+        figure.suptitle(f"K = {most}", fontsize=9)
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncol=len(methods), fontsize=7)
+        figure.tight_layout(rect=(0, 0.06, 1, 1))
         figure.savefig(folder / f"{name}.png", dpi=110)
 
 
@@ -270,7 +299,7 @@ def tradeoff_curves(rows, folder):
         figure.savefig(folder / f"{kernel}.svg", metadata={"Date": None})
 
 
-PLOTS = {"tradeoff": (tradeoff_curves,), "culling": (culling_curves, equal_time), "lightcuts": (lightcuts_curves, lightcuts_alphas),
+PLOTS = {"tradeoff": (tradeoff_curves,), "culling": (culling_switches, culling_curves, equal_time), "lightcuts": (lightcuts_curves, lightcuts_alphas),
          "sphere": (figure_11, figure_12, primitives, table_1)}
 
 
