@@ -87,7 +87,7 @@ class PictureJoin {
   std::optional<RowWarp> warp_;
   const Movers* movers_ = nullptr;
   std::vector<RowWarp::Eye> carried_;  ///< by mover: the eye that moved with it
-  std::vector<RowPlaces> places_;  ///< by row, of those that were located
+  std::vector<RowPlaces> places_;      ///< by row, of those that were located
 };
 
 }  // namespace macula::reconstruction

@@ -116,8 +116,7 @@ RowWarp::Place RowWarp::then(int x, int y, float inverse_depth, const Eye& eye) 
 }
 
 float RowWarp::inverse_depth_now(const Vec2& tangent_then, float inverse_depth_then) const {
-  const Vec3 seen =
-      math::direction_from_tangent(tangent_then) - inverse_depth_then * eye_.origin;
+  const Vec3 seen = math::direction_from_tangent(tangent_then) - inverse_depth_then * eye_.origin;
   const float ahead = -glm::dot(eye_.rotation[2], seen);
   return ahead > 0.0F ? inverse_depth_then / ahead : -1.0F;
 }
@@ -130,10 +129,8 @@ void RowWarp::row(int y, std::span<const float> tangent_x, std::span<const float
                   RowPlaces& places) const {
   MACULA_CHECK(inverse_depth.size() == tangent_x.size());
   places.resize(inverse_depth.size());
-  const Vec3 base =
-      eye_.rotation * math::direction_from_tangent(Vec2{0.0F, tangent_y_[y]});
-  const RowArguments arguments{base, eye_.rotation[0], eye_.origin, x_then_,
-                               y_then_};
+  const Vec3 base = eye_.rotation * math::direction_from_tangent(Vec2{0.0F, tangent_y_[y]});
+  const RowArguments arguments{base, eye_.rotation[0], eye_.origin, x_then_, y_then_};
   HWY_DYNAMIC_DISPATCH(warp_row)
   (arguments, tangent_x.data(), inverse_depth.data(), inverse_depth.size(), places);
 }

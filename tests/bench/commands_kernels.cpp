@@ -66,10 +66,13 @@ Run declare_culling(CLI::App& command, Pace pace) {
                             method.summary, "\n");
   command.footer(
       "Every surface is diffuse, one lamp hangs above the eye, a red ball before it. Errors are\n"
-      "those of exposed light, clipped at 1, at pixels drawn by chance, against paths of one bounce;\n"
-      "rmse_se_pct is what that choice and the paths' noise do to rmse_in150 (reference_se_pct: the\n"
+      "those of exposed light, clipped at 1, at pixels drawn by chance, against paths of one "
+      "bounce;\n"
+      "rmse_se_pct is what that choice and the paths' noise do to rmse_in150 (reference_se_pct: "
+      "the\n"
       "noise alone). from_vpls_ and brightness_error_pct are told against every virtual light.\n"
-      "all_vpls is timed at a 64th of the pixels, flc_no_classes at a sixteenth; their time is that\n"
+      "all_vpls is timed at a 64th of the pixels, flc_no_classes at a sixteenth; their time is "
+      "that\n"
       "of the whole picture. Methods:\n" +
       methods);
   return [options]() -> Result<void> { return run_culling(*options); };

@@ -74,8 +74,7 @@ class Comparison {
       if (!frame) return forward(frame);
       steady_.push_back(listed(frame->radiance, judged_.pixels));
     }
-    const auto surfaces =
-        surfaces_cpu_ms(judged_frame(), setting_, all_config_.ray, scheduler_);
+    const auto surfaces = surfaces_cpu_ms(judged_frame(), setting_, all_config_.ray, scheduler_);
     if (!surfaces) return forward(surfaces);
     surfaces_cpu_ms_ = *surfaces;
     return {};
@@ -238,7 +237,8 @@ Result<void> run_culling(const CullingOptions& options) {
       return *find<std::string>(fields, "scene") == stem &&
              *find<std::string>(fields, "motion") == motion &&
              *find<std::string>(fields, "method") == row.method->name &&
-             (row.method->rendering == Rendering::Blocks || *find<std::int64_t>(fields, "asked_for") == row.kept);
+             (row.method->rendering == Rendering::Blocks ||
+              *find<std::int64_t>(fields, "asked_for") == row.kept);
     });
   };
   TileScheduler scheduler(options.threads);

@@ -17,13 +17,13 @@ struct CullingOptions {
   int side_px = 1024;
   int judged = 1024;             ///< pixels inside the fovea, and as many outside
   int reference_samples = 4096;  ///< paths for each of them, of each half-reference
-  int warm_up = 8;             ///< frames that are not measured
-  int frames = 4;              ///< frames that are timed; the last is judged
-  int threads = 0;             ///< 0: all the machine has
-  std::string knobs;           ///< of the kernel, turned for every method; "name=value ..."
-  std::string references;      ///< folder; empty: ~/.cache/macula-bench
-  std::string pictures;        ///< folder for the judged pictures; empty: none
-  std::string json;            ///< rows that it holds already are not measured again; empty: none
+  int warm_up = 8;               ///< frames that are not measured
+  int frames = 4;                ///< frames that are timed; the last is judged
+  int threads = 0;               ///< 0: all the machine has
+  std::string knobs;             ///< of the kernel, turned for every method; "name=value ..."
+  std::string references;        ///< folder; empty: ~/.cache/macula-bench
+  std::string pictures;          ///< folder for the judged pictures; empty: none
+  std::string json;              ///< rows that it holds already are not measured again; empty: none
 };
 
 /// 512 x 512, everything moves, one number of lights, fewer frames, pixels and paths.

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "server/kernels/brute.h"
 #include "shared/foveation/eccentricity.h"
 #include "shared/metrics/error.h"
 #include "shared/metrics/flicker.h"
-#include "tests/bench/lit_scene.h"
 
 namespace macula::bench {
 namespace {

@@ -1,5 +1,5 @@
-// Where and by what `macula-bench culling` judges pictures: a few pixels, each lit by very many paths,
-// so that what is measured is the method's error and not the reference's. Pure.
+// Where and by what `macula-bench culling` judges pictures: a few pixels, each lit by very many
+// paths, so that what is measured is the method's error and not the reference's. Pure.
 #pragma once
 
 #include <span>

@@ -11,7 +11,6 @@ namespace macula::bench {
 namespace {
 
 using base::forward;
-using kernels::culling::StageTimes;
 
 constexpr std::uint64_t kSeed = 1;
 
@@ -77,8 +76,8 @@ Result<Rendered> all_lights_at(std::span<const image::Pixel> pixels, int index,
   std::vector<kernels::FrameReport> parts(tiles);
   scheduler.run(tiles, [&](std::size_t tile) {
     const std::size_t first = tile * kStep, count = std::min(kStep, pixels.size() - first);
-    parts[tile] = kernels::ray::render_cells(context, pixels.subspan(first, count),
-                                             out.views.front());
+    parts[tile] =
+        kernels::ray::render_cells(context, pixels.subspan(first, count), out.views.front());
   });
   Rendered rendered;
   rendered.lap = watch.lap();

@@ -1,5 +1,5 @@
-// The frames that `macula-bench culling` times: of sessions of the kernel, and of every virtual light
-// at some pixels.
+// The frames that `macula-bench culling` times: of sessions of the kernel, and of every virtual
+// light at some pixels.
 #pragma once
 
 #include <span>

@@ -126,9 +126,9 @@ class Calming {
     std::vector<reconstruction::PictureMemory> now(request_.views.size());
     const bool remembers = last.size() == now.size();
     for (std::size_t v = 0; v < now.size() && !report.stopped; ++v) {
-      report.stopped =
-          steady_picture(request_.views[v], remembers ? &last[v] : nullptr, movers[v],
-                         config_.picture_frames, scheduler_, out.views[v], now[v]) == scheduling::Outcome::Stopped;
+      report.stopped = steady_picture(request_.views[v], remembers ? &last[v] : nullptr, movers[v],
+                                      config_.picture_frames, scheduler_, out.views[v],
+                                      now[v]) == scheduling::Outcome::Stopped;
     }
     return now;
   }

@@ -78,8 +78,9 @@ class Remembering {
     if (!place) return std::nullopt;
     const int tx = static_cast<int>(place->cell.x), ty = static_cast<int>(place->cell.y);
     if (!then_.depth_m.contains(tx, ty)) return std::nullopt;
-    const bool same = std::abs(then_.depth_m(tx, ty) - place->depth_m) <= kSameDepth * depth &&
-                      glm::dot(then_.normal(tx, ty), way.turn * buffers_.normal(x, y)) > kSameNormal;
+    const bool same =
+        std::abs(then_.depth_m(tx, ty) - place->depth_m) <= kSameDepth * depth &&
+        glm::dot(then_.normal(tx, ty), way.turn * buffers_.normal(x, y)) > kSameNormal;
     return same ? std::optional(then_.light(tx, ty)) : std::nullopt;
   }
 
@@ -89,9 +90,8 @@ class Remembering {
     Mat3 turn;  ///< of normals, then from now
   };
   void add_way(const Pose& then_from_now) {
-    ways_.push_back(
-        {{then_from_now * view_.world_from_view, then_.world_from_view, then_.grid},
-         Mat3(glm::mat3_cast(then_from_now.rotation))});
+    ways_.push_back({{then_from_now * view_.world_from_view, then_.world_from_view, then_.grid},
+                     Mat3(glm::mat3_cast(then_from_now.rotation))});
   }
 
   const View& view_;
