@@ -57,9 +57,21 @@ PlannedScene plan_scene(const Options& options, SceneTable scene) {
   return {std::move(scene), facts, scene::ScenePlan(facts, wishes), std::move(kernel)};
 }
 
-void print_plan(const PlannedScene& planned) {
+/// What was asked for beyond what the scene needs comes in with the plan's row.
+scene::PlannedStep with_bounced(scene::PlannedStep step, std::string_view kernel,
+                                const Options& options) {
+  if (step.step != scene::Step::VirtualLights) return step;
+  if (options.bounced_rays == 0 || kernel != "lightcuts") return step;
+  step.use = scene::StepUse::Used;
+  step.reason = base::concat("light that surfaces have reflected once, of ", options.bounced_rays,
+                             " rays at most, in the light tree");
+  return step;
+}
+
+void print_plan(const PlannedScene& planned, const Options& options) {
   std::cout << "kernel " << planned.kernel.kernel << ": " << planned.kernel.reason << "\n";
-  for (const scene::PlannedStep& step : planned.plan.steps()) {
+  for (const scene::PlannedStep& planned_step : planned.plan.steps()) {
+    const scene::PlannedStep step = with_bounced(planned_step, planned.kernel.kernel, options);
     const bool used = step.use != scene::StepUse::LeftOut;
     std::cout << (used ? "  used      " : "  left out  ") << step.name << ": " << step.reason
               << "\n";
@@ -323,7 +335,7 @@ void print_all(const Options& options, const Loaded& loaded, const Ranks& ranks)
   std::cout << describe(options);
   if (ranks) std::cout << "frames are made by " << ranks->size() << " ranks\n";
   print_assumptions(*loaded.planned.scene);
-  print_plan(loaded.planned);
+  print_plan(loaded.planned, options);
   print_ladder(loaded.prepared.ladder, options);
 }
 

@@ -133,6 +133,9 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   command.footer(
       "sl asks as many lights in every pixel; its rows are the curve that gains and speeds are\n"
       "read from. lspp is the size that cuts may have; a low-resolution picture comes on top.\n"
+      "tree, cut and sample (walks) are measured apart, of one thread on the same points; sample\n"
+      "less what other pixels had drawn; shade is what remains: all rays, materials, what lights\n"
+      "send, low resolution; trace, in it, is wall time within visibility queries.\n"
       "mse is of display-linear values, relmse of radiance; both may be negative where they lie\n"
       "below the noise of the references. gain: the baseline's error at equal time over the\n"
       "method's; speed: its time at equal error in F25; plain_gain: against sl, whatever the\n"

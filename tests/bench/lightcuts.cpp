@@ -11,6 +11,7 @@
 #include "shared/image/png.h"
 #include "tests/bench/curve.h"
 #include "tests/bench/lightcuts_setting.h"
+#include "tests/bench/lightcuts_stages.h"
 #include "tests/bench/lightcuts_stereo.h"
 #include "tests/bench/progress.h"
 #include "tests/bench/report.h"
@@ -85,8 +86,13 @@ struct Measured {
          samples = 0.0;
   double mean_lspp = 0.0;  ///< nodes that cuts were allowed, a pixel
   double reuse = 0.0;      ///< share of nodes whose light another pixel had drawn
+  LightcutsStages stages;
   Regional lspp;
   LightcutsErrors errors;
+
+  double sample_ms() const { return stages.sample_ms * (1.0 - reuse); }
+  /// What nothing else accounts for: all rays, materials, what lights send, low resolution.
+  double shade_ms() const { return cpu_ms - fpsm_ms - denoise_ms - stages.cut_ms - sample_ms(); }
 };
 
 Plane<float> as_floats(const Plane<std::uint16_t>& nodes) {
@@ -177,15 +183,15 @@ class Run {
   }
 
   void sizes_of(const Method& method, Measured& all) {
-    if (method.config.sizes == CutSizes::Uniform) {
-      all.mean_lspp = method.config.ray.area_light_samples;
-      all.lspp = {all.mean_lspp, all.mean_lspp};
-      return;
-    }
-    const auto plan = plan_of(setting_, method.config, scheduler_);
-    const Plane<float> nodes = as_floats(plan.cut_nodes.front());
+    Plane<std::uint16_t> cut_nodes(
+        setting_.display.width_px, setting_.display.height_px,
+        static_cast<std::uint16_t>(method.config.ray.area_light_samples));
+    if (method.config.sizes == CutSizes::Perceived)
+      cut_nodes = plan_of(setting_, method.config, scheduler_).cut_nodes.front();
+    const Plane<float> nodes = as_floats(cut_nodes);
     all.mean_lspp = mean_of(nodes);
     all.lspp = judge_.mean(nodes);
+    all.stages = stages_of(setting_, method.config, cut_nodes, scheduler_);
   }
 
   void keep(const Method& method, const Plane<Rgb>& radiance) const {
@@ -255,7 +261,11 @@ class Run {
             {"mse_out25", m.errors.mse.out25},
             {"relmse_f25", m.errors.relmse.f25},
             {"relmse_out25", m.errors.relmse.out25},
+            {"tree_ms", m.stages.tree_ms},
             {"fpsm_ms", m.fpsm_ms},
+            {"cut_ms", m.stages.cut_ms},
+            {"sample_ms", m.sample_ms()},
+            {"shade_ms", m.shade_ms()},
             {"trace_ms", m.trace_ms},
             {"denoise_ms", m.denoise_ms},
             {"reuse", m.reuse},
@@ -285,6 +295,7 @@ Result<void> write_maps(const LightcutsSetting& setting, const std::string& fold
     const char* name;
     PerceptionMode mode;
   };
+  std::vector<Plane<Rgb8>> beside;  // the paper's map, and Stengel's
   for (const Named& one :
        {Named{"printed", PerceptionMode::Printed}, Named{"difference", PerceptionMode::Difference},
         Named{"attenuation", PerceptionMode::Attenuation},
@@ -293,10 +304,15 @@ Result<void> write_maps(const LightcutsSetting& setting, const std::string& fold
     config.mean_nodes = mean;
     const auto made = plan_of(setting, config, scheduler);
     const auto most = static_cast<float>(config.most_nodes);
-    auto ok = image::write_png(folder + "/map_" + one.name + ".png",
-                               image::false_color(as_floats(made.cut_nodes.front()), 0.0F, most));
+    Plane<Rgb8> picture = image::false_color(as_floats(made.cut_nodes.front()), 0.0F, most);
+    auto ok = image::write_png(folder + "/map_" + one.name + ".png", picture);
     if (!ok) return ok;
+    if (one.mode == PerceptionMode::Attenuation || one.mode == PerceptionMode::Stengel)
+      beside.push_back(std::move(picture));
   }
+  auto both = image::write_png(folder + "/fpsm_beside_afsm.png",
+                               image::contact_sheet(beside, 2, beside.front().width()));
+  if (!both) return both;
   const auto& map = plan.maps.front();
   if (auto ok = image::write_png(folder + "/feature_spatial.png",
                                  image::false_color(map.spatial, 0.0F, 1.0F));

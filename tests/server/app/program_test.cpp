@@ -66,6 +66,21 @@ TEST_F(ServerProgram, ListsScenesAndExplainsItsChoices) {
   EXPECT_NE(explained.output.find("left out  distance-field tracer"), std::string::npos);
 }
 
+TEST_F(ServerProgram, ExplainsTheReflectedLightThatIsAskedForInTheTree) {
+  const auto explained = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments{"--scene",   "cornell", "--kernel", "lightcuts",
+                                       "--explain", "--keys",  keys_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments).output;
+  };
+  const std::string wanted = explained({"--bounced-rays", "5000"});
+  EXPECT_NE(wanted.find("used      virtual point lights: light that surfaces have reflected once, "
+                        "of 5000 rays"),
+            std::string::npos)
+      << wanted;
+  EXPECT_NE(explained({}).find("left out  virtual point lights"), std::string::npos);
+}
+
 TEST_F(ServerProgram, ExplainsThePlaceOnTheLadderThatIsAskedFor) {
   const auto explained = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments{"--scene", "cornell", "--explain", "--keys", keys_};

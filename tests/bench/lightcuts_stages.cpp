@@ -1,0 +1,77 @@
+#include "tests/bench/lightcuts_stages.h"
+
+#include <cmath>
+
+#include "server/kernels/lightcuts/node_choices.h"
+#include "server/kernels/planes.h"
+#include "server/lights/placed_lights.h"
+#include "tests/bench/stopwatch.h"
+
+namespace macula::bench {
+namespace {
+
+using kernels::lightcuts::SurfaceTile;
+using kernels::lightcuts::ViewSurfaces;
+
+double tree_ms(const kernels::SceneFrame& scene) {
+  constexpr int kTimes = 8;
+  lights::PlacedLights placed(scene.lights());  // the first one makes room
+  if (placed.size() != scene.placed_lights().size()) return std::nan("");
+  Stopwatch watch;
+  for (int k = 0; k < kTimes; ++k) placed.make(scene.lights());
+  return watch.lap().cpu_ms / kTimes;
+}
+
+/// Cuts and walks of one tile after the other.
+class Walker {
+ public:
+  explicit Walker(const lights::LightTree& tree) : tree_(tree) {}
+
+  void add(const SurfaceTile& tile, const Plane<std::uint16_t>& cut_nodes,
+           LightcutsStages& stages) {
+    descents_.clear();
+    watch_.lap();
+    for (std::size_t i = 0; i < tile.points.count; ++i) cut(tile, i, cut_nodes);
+    stages.cut_ms += watch_.lap().cpu_ms;
+    choices_.resize(descents_.size());
+    lights::choose_each(tree_, lights::WeightRule::NearAndFar, descents_, choices_);
+    stages.sample_ms += watch_.lap().cpu_ms;
+  }
+
+ private:
+  void cut(const SurfaceTile& tile, std::size_t i, const Plane<std::uint16_t>& cut_nodes) {
+    const image::Pixel at = tile.pixel(i);
+    const lights::Receiver receiver = kernels::lightcuts::receiver_of(tile.points, i);
+    lights::LightWalk(tree_, receiver).cut(cut_nodes(at.x, at.y), cut_);
+    for (std::uint32_t round = 0; round < cut_.nodes.size(); ++round)
+      descents_.push_back({receiver, cut_.nodes[round],
+                           lights::leaf_number(tile.points.keys[i], round, tile.points.sample)});
+  }
+
+  const lights::LightTree& tree_;
+  Stopwatch watch_;
+  lights::LightCut cut_;
+  std::vector<lights::Descent> descents_;
+  std::vector<lights::LeafChoice> choices_;
+};
+
+}  // namespace
+
+LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
+                          const Plane<std::uint16_t>& cut_nodes,
+                          scheduling::TileScheduler& scheduler) {
+  LightcutsStages stages;
+  stages.tree_ms = tree_ms(*setting.scene);
+  const FoveationMap map{{{setting.view.grid, setting.view.gaze, setting.display.pixel_tangent()}},
+                         {}};
+  kernels::FrameBuffers out;
+  kernels::prepare_buffers({&setting.view, 1}, out);
+  std::vector<ViewSurfaces> surfaces;
+  kernels::lightcuts::trace_surfaces({{&setting.view, 1}, map, 0, 1}, *setting.scene, config.ray,
+                                     scheduler, surfaces, out);
+  Walker walker(setting.scene->placed_lights().tree());
+  for (const SurfaceTile& tile : surfaces.front().tiles) walker.add(tile, cut_nodes, stages);
+  return stages;
+}
+
+}  // namespace macula::bench

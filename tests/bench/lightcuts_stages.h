@@ -1,0 +1,21 @@
+// Stages of a frame of kernel lightcuts, apart from each other, on the points that a frame's
+// primary rays meet: CPU milliseconds of one thread.
+#pragma once
+
+#include "tests/bench/lightcuts_setting.h"
+
+namespace macula::bench {
+
+struct LightcutsStages {
+  double tree_ms = 0.0;    ///< the list of lights and the tree over them, made anew
+  double cut_ms = 0.0;     ///< a cut a point
+  double sample_ms = 0.0;  ///< a walk from each of its nodes down to a light
+};
+
+/// `cut_nodes`: of each pixel's cut. tree_ms is not a number for scenes with virtual lights: the
+/// tree there holds more than the scene lists.
+LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
+                          const Plane<std::uint16_t>& cut_nodes,
+                          scheduling::TileScheduler& scheduler);
+
+}  // namespace macula::bench
