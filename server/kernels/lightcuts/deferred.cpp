@@ -11,6 +11,7 @@
 #include "server/kernels/lightcuts/other_eye.h"
 #include "server/kernels/lightcuts/other_light.h"
 #include "server/kernels/lightcuts/reservoir_light.h"
+#include "server/kernels/lightcuts/retinal_speed.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/guide.h"
 #include "shared/math/hash.h"
@@ -57,7 +58,9 @@ class Frame {
   FrameReport run(History& history) {
     auto* last = dynamic_cast<LightHistory*>(history.record.get());
     if (last != nullptr) surfaces_ = std::move(last->spare);
-    trace();
+    const LightHistory* before =
+        last != nullptr && last->views.size() == request_.views.size() ? last : nullptr;
+    trace(before);
     plan();
     if (!report_.stopped && config_.source != LightSource::Walks && perceived()) {
       low_ = draw_low(request_, scene_, config_, scheduler_, report_);
@@ -83,16 +86,33 @@ class Frame {
   bool reuses(std::size_t v) const { return v > 0 && config_.stereo == StereoReuse::Yes; }
   bool reservoirs() const { return perceived() && config_.source == LightSource::Reservoirs; }
 
-  void trace() {
+  void trace(const LightHistory* last) {
     const unsigned wanted = out_.wanted;
-    if (perceived()) out_.wanted |= kNormal | kAlbedo;  // the map's features
+    if (perceived()) out_.wanted |= kNormal | kAlbedo | kSurfaceId;  // the map's features
     prepare_buffers(request_.views, out_);
     report_ = trace_surfaces(request_, scene_, config_.ray, scheduler_, surfaces_, out_);
     if (perceived() && !report_.stopped) {
-      plan_ = plan_lights(request_, scene_, config_, out_, scheduler_);
+      plan_ = plan_lights(request_, scene_, config_, out_, speeds_since(last), scheduler_);
       report_ += plan_.report;
     }
     out_.wanted = wanted;
+  }
+  /// None where the scene's clock does not tell how long ago the last frame was: it rests, starts
+  /// or leaps.
+  std::vector<Plane<float>> speeds_since(const LightHistory* last) {
+    constexpr double kLeap_s = 0.5;
+    std::vector<Plane<float>> speeds;
+    if (last == nullptr) return speeds;
+    const double seconds = units::to_s(scene_.time().since_start - last->pose.time.since_start);
+    if (!(seconds > 0.0 && seconds < kLeap_s)) return speeds;
+    if (last->pose.world_from_object.size() != scene_.pose().world_from_object.size())
+      return speeds;
+    const auto motions = scene::motions_between(last->pose, scene_.pose());
+    for (std::size_t v = 0; v < surfaces_.size(); ++v) {
+      const Passage passage{last->views[v].view, request_.views[v], motions, seconds};
+      speeds.push_back(retinal_speed(passage, surfaces_[v], out_.views[v].surface_id, scheduler_));
+    }
+    return speeds;
   }
   void plan() {
     if (perceived()) return;
@@ -296,6 +316,8 @@ class Frame {
       if (last != nullptr) kept->spare.push_back(std::move(last->views[v].surfaces));
     }
     if (!reservoirs()) kept->spare = std::move(surfaces_);
+    kept->pose.time = scene_.time();
+    kept->pose.world_from_object = scene_.pose().world_from_object;
     history.record = std::move(kept);
   }
 

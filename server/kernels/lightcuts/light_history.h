@@ -21,6 +21,7 @@ struct KeptView {
 };
 struct LightHistory : HistoryRecord {
   std::vector<KeptView> views;
+  scene::ScenePose pose;  ///< time and instances alone
   /// For the next frame to write to: fresh memory would be made and cleared in every frame.
   std::vector<ViewSurfaces> spare;
 };

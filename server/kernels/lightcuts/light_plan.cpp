@@ -92,8 +92,8 @@ Plane<T> part_of(const Plane<T>& plane, const scheduling::Rows& rows) {
 class MapRows {
  public:
   MapRows(const FoveationMap& acuity, std::size_t view, const ViewBuffers& surfaces,
-          const PerceptionConfig& config)
-      : acuity_(acuity), view_(view), surfaces_(surfaces), config_(config) {
+          const Plane<float>& speed, const PerceptionConfig& config)
+      : acuity_(acuity), view_(view), surfaces_(surfaces), speed_(speed), config_(config) {
     for (Plane<float>* plane : {&made_.spatial, &made_.luminance, &made_.map})
       plane->resize(width(), height());
   }
@@ -121,10 +121,10 @@ class MapRows {
     Plane<float> acuity(width(), beside.count());
     for (int y = beside.begin; y < beside.end; ++y)
       acuity_.samples_wanted_row(view_, y, acuity.row(y - beside.begin));
-    const Plane<float> at_rest, nothing;
+    const Plane<float> nothing;
     const PerceptionMap part =
         make_perception_map({acuity, part_of(surfaces_.normal, beside),
-                             part_of(surfaces_.albedo, beside), at_rest, nothing},
+                             part_of(surfaces_.albedo, beside), part_of(speed_, beside), nothing},
                             seen, beside.begin, config_);
     for (int y = rows.begin; y < rows.end; ++y) {
       const int from = y - beside.begin;
@@ -137,6 +137,7 @@ class MapRows {
   const FoveationMap& acuity_;
   std::size_t view_;
   const ViewBuffers& surfaces_;
+  const Plane<float>& speed_;
   const PerceptionConfig& config_;
   PerceptionMap made_;
 };
@@ -144,7 +145,8 @@ class MapRows {
 }  // namespace
 
 LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
-                      const FrameBuffers& surfaces, TileScheduler& scheduler) {
+                      const FrameBuffers& surfaces, std::span<const Plane<float>> speeds,
+                      TileScheduler& scheduler) {
   LightPlan plan;
   const auto luminance = low_luminance(request, scene, config, scheduler, plan.report);
   if (plan.report.stopped) return plan;
@@ -152,8 +154,10 @@ LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, cons
   foveation::RateModel model;
   model.curve = foveation::RateCurve::Lightcuts;  // the paper's acuity
   const FoveationMap acuity = ray::acuity_map(request, model);
+  const Plane<float> at_rest;
   for (std::size_t v = 0; v < request.views.size(); ++v) {
-    MapRows rows(acuity, v, surfaces.views[v], config.perception);
+    const Plane<float>& speed = speeds.empty() ? at_rest : speeds[v];
+    MapRows rows(acuity, v, surfaces.views[v], speed, config.perception);
     plan.report.stopped |= rows.make(luminance[v], scheduler) == scheduling::Outcome::Stopped;
     if (plan.report.stopped) return plan;
     plan.maps.push_back(rows.take());
@@ -172,7 +176,7 @@ LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, cons
   std::vector<ViewSurfaces> surfaces;
   const FrameReport traced = trace_surfaces(request, scene, config.ray, scheduler, surfaces, out);
   LightPlan plan =
-      traced.stopped ? LightPlan{} : plan_lights(request, scene, config, out, scheduler);
+      traced.stopped ? LightPlan{} : plan_lights(request, scene, config, out, {}, scheduler);
   plan.report += traced;
   return plan;
 }

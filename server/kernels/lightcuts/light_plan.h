@@ -2,6 +2,7 @@
 // frame itself draws, so that its mean stays that of any other plan.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "server/kernels/kernel.h"
@@ -14,11 +15,12 @@ struct LightPlan {
   std::vector<Plane<std::uint16_t>> cut_nodes;  ///< of every cell's cut
   FrameReport report;                           ///< of the rays that it took
 };
-/// From normals and albedo of every cell in `surfaces`, and a low-resolution picture whose random
-/// numbers are its own.
+/// From normals and albedo of every cell in `surfaces`, their speeds (a plane a view, or none at
+/// all: everything rests), and a low-resolution picture whose random numbers are its own.
 LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
-                      const FrameBuffers& surfaces, TileScheduler& scheduler);
-/// The same, tracing the surfaces first.
+                      const FrameBuffers& surfaces, std::span<const Plane<float>> speeds,
+                      TileScheduler& scheduler);
+/// The same, tracing the surfaces first; everything rests.
 LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
                       TileScheduler& scheduler);
 
