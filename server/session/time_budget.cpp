@@ -10,18 +10,18 @@ namespace {
 // Above target x kTooSlow quality falls, below target x kTooFast it rises. A tenth of quality
 // differs in cost by less than 5 % on ladders of two decades: a step taken for one reason never
 // gives the other reason at once, so a steady load settles.
-constexpr double kTooSlow = 1.05, kTooFast = 0.92, kAim = 0.98;
+constexpr double kTooSlow = 1.06, kTooFast = 0.94, kAim = 1.0;
 /// Beyond these something has changed: then it falls at once, and rises in strides.
 constexpr double kFarTooSlow = 1.25, kFarTooFast = 0.6;
 constexpr double kMostRise = 1.5;  ///< of the cost, in one change
 constexpr std::size_t kRemembered = 40, kEnough = 12, kEnoughToFall = 4, kJump = 7;
-constexpr Nanoseconds kRest = std::chrono::seconds{1}, kLongestPatience = std::chrono::seconds{32};
+constexpr Nanoseconds kRest = std::chrono::seconds{1}, kLongestPatience = std::chrono::seconds{8};
 /// Where even the quickest of the first few frames takes so much longer, no more need be seen.
 constexpr double kHopeless = 3.0;
 /// Where it begins: low enough for most scenes and machines to show soon how fast they are.
 constexpr double kFirstQuality = 2.0;
 /// A rise that has to be taken back so soon did not hold.
-constexpr Nanoseconds kProof = std::chrono::seconds{4};
+constexpr Nanoseconds kProof = std::chrono::seconds{2};
 constexpr double kTenths = 10.0;
 
 /// The lower one of two in the middle. Not empty.

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -44,17 +45,44 @@ constexpr double kLeastFactor = 1.1;
 /// And a step has at most this share of the error below it: what lies nearer can't be told apart on
 /// another scene, and between two steps the periphery's resolution is carried on anyway.
 constexpr double kMostErrorShare = 0.85;
+/// The last step is the cheapest one whose error is at most this much of the least.
+constexpr double kAsGood = 1.02;
 
 /// Below the steps of a display; of nothing there is no logarithm.
 constexpr double kLeastFlicker = 1e-4;
 
+/// Whether two steps differ in the periphery's resolution alone.
+bool has_knobs_of(const LadderStep& a, const LadderStep& b) {
+  const auto knobs = [](const LadderStep& step) {
+    auto words = kernels::parse_knobs(step.config).value_or(kernels::KnobValues{});
+    std::erase_if(words, [](const kernels::KnobValue& word) { return word.name == "scale"; });
+    return words;
+  };
+  return knobs(a) == knobs(b);
+}
+
 /// Of steps from cheap to dear, those that are worth their cost; the cheapest and the best stay.
+/// Where only the resolution changes, its whole range stays: what lies between the ends of a range
+/// costs what the ladder says, and a jump to other knobs begins where it ends.
 std::vector<LadderStep> far_apart(std::span<const LadderStep> steps) {
   std::vector<LadderStep> kept;
+  double worth_rmse =
+      std::numeric_limits<double>::infinity();  // of the last that is worth its cost
+  bool is_end = false;                          // whether kept.back() is but an end
   for (const LadderStep& step : steps) {
-    if (kept.empty() || step.rmse <= kMostErrorShare * kept.back().rmse) kept.push_back(step);
+    const bool is_worth = step.rmse <= kMostErrorShare * worth_rmse;
+    const bool has_same_knobs = !kept.empty() && has_knobs_of(step, kept.back());
+    if (!is_worth && !has_same_knobs) continue;
+    if (is_end && has_same_knobs) kept.pop_back();
+    kept.push_back(step);
+    is_end = !is_worth;
+    if (is_worth) worth_rmse = step.rmse;
   }
-  if (!kept.empty() && steps.back().rmse < kept.back().rmse) kept.push_back(steps.back());
+  if (kept.empty()) return kept;
+  const double good = kAsGood * steps.back().rmse;
+  const auto last =
+      std::ranges::find_if(steps, [&](const LadderStep& step) { return step.rmse <= good; });
+  if (last->rmse < kept.back().rmse) kept.push_back(*last);
   return kept;
 }
 

@@ -109,6 +109,26 @@ TEST(TradeoffLadder, AStepThatFlickersGivesWayToASteadyOne) {
   EXPECT_EQ(steps[1].config, "method=foveated");
 }
 
+// Where knobs stay, a ladder may go anywhere between two resolutions; the last step of all is not
+// worth a third more for a hundredth less error.
+TEST(TradeoffLadder, KeepsTheWholeRangeOfAResolutionAndNoLastStepThatIsHardlyBetter) {
+  std::vector<Fields> rows;
+  for (const char* scene : {"posts", "atrium"}) {
+    rows.push_back(row("scale=0.2 lights=1", 1.0, 0.1, false, scene));
+    rows.push_back(row("scale=0.4 lights=1", 1.3, 0.07, false, scene));
+    rows.push_back(row("scale=0.7 lights=1", 1.6, 0.068, false, scene));
+    rows.push_back(row("lights=1", 2.0, 0.065, false, scene));
+    rows.push_back(row("samples=2", 3.0, 0.0505, false, scene));
+    rows.push_back(row("samples=4", 4.0, 0.05, false, scene));
+  }
+  const auto steps = ladder_steps(rows);
+  ASSERT_EQ(steps.size(), 4U);
+  EXPECT_EQ(steps[0].config, "scale=0.2 lights=1");
+  EXPECT_EQ(steps[1].config, "scale=0.4 lights=1");
+  EXPECT_EQ(steps[2].config, "lights=1");
+  EXPECT_EQ(steps[3].config, "samples=2");
+}
+
 TEST(TradeoffLadder, KendallsTauIsOneForTheSameOrderAndMinusOneForTheReverse) {
   const std::vector<double> rising{1, 2, 3, 4}, falling{4, 3, 2, 1}, swapped{2, 1, 3, 4};
   EXPECT_EQ(kendall_tau(rising, rising), 1.0);
