@@ -209,10 +209,6 @@ std::shared_ptr<cluster::Leader> make_leader(const Options& options, const Ranks
 Result<std::shared_ptr<kernels::SceneTimeline>> make_timeline(const Options& options,
                                                               const PlannedScene& planned) {
   if (options.bounced_rays == 0) return kernels::SceneTimeline::create(planned.scene, planned.plan);
-  if (planned.kernel.kernel != "lightcuts") {
-    return base::bad_input(base::concat("kernel '", planned.kernel.kernel, "' asks no such lights"),
-                           "--bounced-rays", "kernel lightcuts, or 0");
-  }
   const auto scheduler = std::make_shared<scheduling::TileScheduler>(options.threads);
   const auto rays = static_cast<std::size_t>(options.bounced_rays);
   return kernels::SceneTimeline::create(
@@ -324,6 +320,9 @@ Result<Loaded> load(const Options& options, const Environment& environment) {
   if (auto ok = kernels::check_scene(planned.kernel.kernel, *planned.scene); !ok)
     return base::forward(ok);
   const std::string name(planned.kernel.kernel);
+  if (options.bounced_rays > 0 && name != "lightcuts")
+    return base::bad_input(base::concat("kernel '", name, "' asks no such lights"),
+                           "--bounced-rays", "kernel lightcuts, or 0");
   auto kernel = choose_kernel(options, name);
   if (!kernel) return base::forward(kernel);
   auto ladder = load_ladder(options, environment.installed_ladders, name);
