@@ -58,10 +58,8 @@ PlannedScene plan_scene(const Options& options, SceneTable scene) {
 }
 
 /// What was asked for beyond what the scene needs comes in with the plan's row.
-scene::PlannedStep with_bounced(scene::PlannedStep step, std::string_view kernel,
-                                const Options& options) {
-  if (step.step != scene::Step::VirtualLights) return step;
-  if (options.bounced_rays == 0 || kernel != "lightcuts") return step;
+scene::PlannedStep with_bounced(scene::PlannedStep step, const Options& options) {
+  if (step.step != scene::Step::VirtualLights || options.bounced_rays == 0) return step;
   step.use = scene::StepUse::Used;
   step.reason = base::concat("light that surfaces have reflected once, of ", options.bounced_rays,
                              " rays at most, in the light tree");
@@ -71,7 +69,7 @@ scene::PlannedStep with_bounced(scene::PlannedStep step, std::string_view kernel
 void print_plan(const PlannedScene& planned, const Options& options) {
   std::cout << "kernel " << planned.kernel.kernel << ": " << planned.kernel.reason << "\n";
   for (const scene::PlannedStep& planned_step : planned.plan.steps()) {
-    const scene::PlannedStep step = with_bounced(planned_step, planned.kernel.kernel, options);
+    const scene::PlannedStep step = with_bounced(planned_step, options);
     const bool used = step.use != scene::StepUse::LeftOut;
     std::cout << (used ? "  used      " : "  left out  ") << step.name << ": " << step.reason
               << "\n";

@@ -1,6 +1,9 @@
 #include "server/kernels/ray/cache.h"
 
+#include <algorithm>
+
 #include "server/kernels/frame_buffers.h"
+#include "shared/base/check.h"
 
 namespace macula::kernels::ray {
 namespace {
@@ -25,9 +28,8 @@ void prepare_cache(Cache& cache, int width, int height, bool has_light, unsigned
 }
 
 void EyePath::note(std::uint32_t clock, const DVec3& eye) {
-  if (eyes_.empty()) eyes_.assign(kHeld, eye);
   // Clocks may wrap: their difference is right.
-  if (clock - newest_ > 1) eyes_.assign(kHeld, eye);
+  if (eyes_.empty() || clock - newest_ > 1) eyes_.assign(kHeld, eye);
   eyes_[clock % kHeld] = eye;
   newest_ = clock;
 }

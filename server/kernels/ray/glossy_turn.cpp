@@ -11,13 +11,14 @@ constexpr float kBroadest = 0.36F;
 
 }  // namespace
 
-GlossyTurn::GlossyTurn(const SceneFrame& scene, const Config& config) {
+GlossyTurn::GlossyTurn(const SceneFrame& scene, const Config& config)
+    : surfaces_(scene.surfaces()) {
   if (!scene.plan().has(scene::Step::SpecularLobe) || !scene.plan().has(scene::Step::TriangleBvh))
     return;
-  std::vector<float> alpha(scene.surfaces().instance_count(), 0.0F);
+  std::vector<float> alpha(scene.materials().size(), 0.0F);
   bool any = false;
   for (std::size_t i = 0; i < alpha.size(); ++i) {
-    const scene::Index material = scene.surfaces().material(static_cast<scene::Index>(i));
+    const auto material = static_cast<scene::Index>(i);
     const float width = scene.materials().lobe_width(material, config.materials);
     if (width > kBroadest) continue;
     alpha[i] = width;
@@ -28,8 +29,8 @@ GlossyTurn::GlossyTurn(const SceneFrame& scene, const Config& config) {
 
 float GlossyTurn::turn(const View& view, const image::Pixel& cell, float depth_m,
                        std::uint32_t surface_id, const DVec3& then) const {
-  if (surface_id == 0 || surface_id > alpha_.size() || !std::isfinite(depth_m)) return 0.0F;
-  const float alpha = alpha_[surface_id - 1];
+  if (surface_id == 0 || !std::isfinite(depth_m)) return 0.0F;
+  const float alpha = alpha_[surfaces_.material(surface_id - 1)];
   if (alpha == 0.0F) return 0.0F;
   const DVec3 from_now = view.world_from_view.rotation *
                          (DVec3(view.grid.ray(cell.x, cell.y)) * static_cast<double>(depth_m));

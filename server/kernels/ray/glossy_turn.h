@@ -15,7 +15,8 @@ namespace macula::kernels::ray {
 /// Lobe widths of a scene's surfaces.
 class GlossyTurn {
  public:
-  /// In scenes of triangles; without a lobe anywhere it answers 0 for every cell.
+  /// Refers to the scene. In scenes of triangles; without a lobe anywhere it answers 0 for every
+  /// cell.
   GlossyTurn(const SceneFrame& scene, const Config& config);
 
   bool any() const { return !alpha_.empty(); }
@@ -25,7 +26,8 @@ class GlossyTurn {
              const DVec3& then) const;
 
  private:
-  std::vector<float> alpha_;  ///< of instances; 0: diffuse
+  const shading::SurfaceTable& surfaces_;
+  std::vector<float> alpha_;  ///< of materials; 0: diffuse
 };
 
 /// What has become of a view's remembered glossy points.
