@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace macula::session {
@@ -15,7 +16,10 @@ constexpr double kTooSlow = 1.06, kTooFast = 0.94, kAim = 1.0;
 constexpr double kFarTooSlow = 1.25, kFarTooFast = 0.6;
 constexpr double kMostRise = 1.5;  ///< of the cost, in one change
 constexpr std::size_t kRemembered = 40, kEnough = 12, kEnoughToFall = 4, kJump = 7;
-constexpr Nanoseconds kRest = std::chrono::seconds{1}, kLongestPatience = std::chrono::seconds{8};
+constexpr Nanoseconds kRest = std::chrono::seconds{1};
+/// For so long after a rise that did not hold the next ones go half way to where it led.
+constexpr Nanoseconds kFirstCaution = std::chrono::seconds{4};
+constexpr Nanoseconds kLongestCaution = std::chrono::seconds{16};
 /// Where even the quickest of the first few frames takes so much longer, no more need be seen.
 constexpr double kHopeless = 3.0;
 /// Where it begins: low enough for most scenes and machines to show soon how fast they are.
@@ -23,6 +27,7 @@ constexpr double kFirstQuality = 2.0;
 /// A rise that has to be taken back so soon did not hold.
 constexpr Nanoseconds kProof = std::chrono::seconds{2};
 constexpr double kTenths = 10.0;
+constexpr double kTenthIsWhole = 1e-6;  ///< of a tenth, that doubles lose of whole ones
 
 /// The lower one of two in the middle. Not empty.
 double median(std::vector<double> values) {
@@ -40,7 +45,7 @@ TimeBudget::TimeBudget(std::optional<Nanoseconds> target,
                                 : std::make_shared<const QualityLadder>(QualityLadder::of_scale())),
       costs_(ladder_->steps().size()),
       quality_(target ? kFirstQuality : kBestQuality),
-      patience_(kRest) {}
+      caution_(kFirstCaution) {}
 
 void TimeBudget::set_limits(const Limits& limits) {
   limits_ = limits;
@@ -112,18 +117,29 @@ void TimeBudget::fall(double load, ServerTime now) {
                                                            kFarTooSlow * units::to_ms(*target_));
   const bool is_proving = risen_ && now - *risen_ < kRest && load < kHopeless;
   if ((!is_far || is_proving) && changed_ && now - *changed_ < kRest) return;
-  if (risen_ && now - *risen_ < kProof && !is_far)
-    patience_ = std::min(2 * patience_, kLongestPatience);
+  if (risen_ && now - *risen_ < kProof) note_unheld(now);
   change_to(std::min(quality_of_time(kAim / load, 1.0, now), quality_ - 1.0 / kTenths), load, now);
 }
 
+/// The rise that led to here did not hold.
+void TimeBudget::note_unheld(ServerTime now) {
+  if (unheld_) caution_ = std::min(2 * caution_, kLongestCaution);
+  unheld_ = {quality_, now};
+}
+
+double TimeBudget::held_place(double place, ServerTime now) const {
+  if (!unheld_ || now - unheld_->at > caution_) return place;
+  const double half_way = std::midpoint(quality_, unheld_->quality);
+  return std::min(place, std::floor(kTenths * half_way + kTenthIsWhole) / kTenths);
+}
+
 void TimeBudget::rise(double load, ServerTime now) {
-  const bool is_far = load < kFarTooFast;
   if (frames_ms_.size() < (is_new_ ? kEnoughToFall : kEnough)) return;
-  if (changed_ && now - *changed_ < (is_far ? kRest : std::max(kRest, patience_))) return;
-  const double fits = quality_of_time(kAim / load, is_new_ ? kAim / load : kMostRise, now);
+  if (changed_ && now - *changed_ < kRest) return;
+  if (load < kFarTooFast) unheld_.reset(), caution_ = kFirstCaution;
+  const double fits =
+      held_place(quality_of_time(kAim / load, is_new_ ? kAim / load : kMostRise, now), now);
   if (fits <= quality_) return;
-  if (is_far) patience_ = kRest;
   risen_ = now;
   change_to(fits, load, now);
 }

@@ -43,6 +43,9 @@ class TimeBudget {
   /// The best quality, in tenths, foretold to take at most `times` what the present one takes, and
   /// at most `most_rise` times its cost by the ladder.
   double quality_of_time(double times, double most_rise, ServerTime now) const;
+  /// `place`, or what of it is allowed soon after a rise that did not hold.
+  double held_place(double place, ServerTime now) const;
+  void note_unheld(ServerTime now);
   /// Compares the first frames after a change of step with what was foretold of them.
   void learn(double load, ServerTime now);
 
@@ -59,7 +62,12 @@ class TimeBudget {
   std::optional<Foretold> foretold_;  ///< of a step that no frames are known of yet
   bool is_new_ = true;  ///< nothing is known of this scene: the first change may be large
   std::optional<ServerTime> changed_, risen_;
-  Nanoseconds patience_;  ///< before it rises again; longer after each rise that did not hold
+  struct Unheld {
+    double quality = 0.0;
+    ServerTime at;
+  };
+  std::optional<Unheld> unheld_;  ///< the last rise that had to be taken back
+  Nanoseconds caution_;           ///< for so long it counts; longer after each such rise
 };
 
 }  // namespace macula::session

@@ -24,7 +24,7 @@ tr.front td { font-weight:600 } tr:hover td { background:var(--card) }
 details { margin:10px 0 } summary { cursor:pointer; color:var(--accent) }
 .grid { display:grid; grid-template-columns:repeat(auto-fill,minmax(340px,1fr)); gap:18px }
 figure { margin:0; border:1px solid var(--line); border-radius:8px; padding:10px 10px 6px } figcaption { font-size:13.5px; font-weight:600; padding:0 4px 4px }
-svg { width:100%; height:auto; display:block } svg text { fill:var(--dim); font-size:11px } svg .axis { stroke:var(--line) } svg .baseline { fill:none; stroke:var(--base); stroke-width:2; stroke-dasharray:5 4 } svg .best { fill:none; stroke:var(--front); stroke-width:2 }
+svg { width:100%; height:auto; display:block } svg text { fill:var(--dim); font-size:11px } svg .axis { stroke:var(--line) } svg .baseline { fill:none; stroke:var(--base); stroke-width:2; stroke-dasharray:5 4 } svg .run { fill:none; stroke-width:1.5 } svg .best { fill:none; stroke:var(--front); stroke-width:2 }
 svg circle { fill:var(--accent); fill-opacity:.75 } svg circle.u { fill:var(--base) } svg circle.f { fill:var(--front); fill-opacity:1 }
 .key span { margin-right:16px; font-size:13px; color:var(--dim) } .key i { display:inline-block; width:18px; height:0; border-top:3px solid; vertical-align:middle; margin-right:6px }
 .controls { margin:8px 0 12px; font-size:13.5px; color:var(--dim) } select { font:inherit; color:inherit; background:var(--card); border:1px solid var(--line); border-radius:5px; padding:2px 6px; margin:0 12px 0 4px; max-width:min(46ch, 100%) } figure select { margin:0 0 4px; width:100% }
@@ -58,7 +58,17 @@ function scale(values, log, low, high) {
   if (log) { for (let d = Math.floor(a); d <= b; d++) for (const m of b - a > 2 ? [1] : [1, 2, 5]) { const v = m * 10 ** d; if (Math.log10(v) >= a && Math.log10(v) <= b) ticks.push(v); } }
   else { const step = 10 ** Math.floor(Math.log10((b - a) / 3)), k = (b - a) / step > 12 ? 5 : (b - a) / step > 6 ? 2 : 1; for (let v = Math.ceil(a / (k * step)) * k * step; v <= b; v += k * step) ticks.push(+v.toPrecision(12)); }
   return { f, ticks }; }
-function chart(host, rows, xKey, yKey) {
+const text = v => typeof v === 'string' && v !== '';
+const hues = ['#0b6bcb', '#d1495b', '#2a9d5c', '#e0932b', '#8457c6', '#12a5b5', '#b4548f', '#7a8b2a', '#c7642c', '#5b6b7e', '#3f51b5', '#9c6b4f'];
+// the colours of the values of a column; none where there is one value or there are too many
+function palette(rows, key) {
+  const names = key ? [...new Set(rows.map(r => r[key]).filter(text))] : [];
+  return names.length > 1 && names.length <= hues.length ? new Map(names.map((n, i) => [n, hues[i]])) : new Map(); }
+function legend(host, colours) {
+  const key = document.createElement('div'); key.className = 'key';
+  for (const [name, hue] of colours) { const s = document.createElement('span'), i = document.createElement('i'); i.style.borderColor = hue; s.append(i, name); key.append(s); }
+  host.append(key); }
+function chart(host, rows, xKey, yKey, series, colours) {
   host.textContent = '';
   const W = 420, H = 300, L = 54, R = 12, T = 8, B = 38;
   const svg = el('svg', { viewBox: `0 0 ${W} ${H}`, role: 'img', 'aria-label': `${yKey} over ${xKey}` }, host);
@@ -75,9 +85,13 @@ function chart(host, rows, xKey, yKey) {
   const best = front(own, rises(yKey));
   line(front(uniform, rises(yKey)), 'baseline');
   if (uniform.length) line(best, 'best');
+  if (/latency|ranks/.test(xKey)) for (const [name, hue] of colours) {   // runs along x; the best of several there
+    const runs = new Map(); for (const p of all) if (p.r[series] === name) { const o = runs.get(p.x); if (!o || (rises(yKey) ? p.y > o.y : p.y < o.y)) runs.set(p.x, p); }
+    const path = line([...runs.values()].sort((a, b) => a.x - b.x), 'run'); if (path) path.style.stroke = hue; }
   for (const p of all) {
-    const c = el('circle', { cx: X.f(p.x).toFixed(1), cy: Y.f(p.y).toFixed(1), r: best.includes(p) && uniform.length ? 4 : 3.2, class: p.r.uniform === true ? 'u' : best.includes(p) && uniform.length ? 'f' : '' }, svg);
-    const name = Object.entries(p.r).filter(([k, v]) => typeof v === 'string' && v && !/hash|picture/.test(k)).map(([, v]) => v).join(' · ');
+    const hue = colours.get(p.r[series]), c = el('circle', { cx: X.f(p.x).toFixed(1), cy: Y.f(p.y).toFixed(1), r: best.includes(p) && uniform.length ? 4 : 3.2, class: p.r.uniform === true ? 'u' : best.includes(p) && uniform.length ? 'f' : '' }, svg);
+    if (hue) c.style.fill = hue;
+    const name = Object.entries(p.r).filter(([k, v]) => text(v) && !/hash|picture/.test(k)).map(([, v]) => v).join(' · ');
     el('title', {}, c, `${name}\n${xKey} ${short(p.x)}\n${yKey} ${short(p.y)}`); } }
 function choose(host, label, keys, value, then) {
   const l = document.createElement('label'); l.append(label); const s = document.createElement('select');
@@ -90,8 +104,9 @@ for (const box of document.querySelectorAll('[data-charts]')) {
   const groups = new Map(); for (const r of rows) { const k = by ? r[by] : ''; if (!groups.has(k)) groups.set(k, []); groups.get(k).push(r); }
   let x = keys.includes(box.dataset.x) ? box.dataset.x : keys[0], y = keys.includes(box.dataset.y) ? box.dataset.y : keys[keys.length - 1];
   const controls = document.createElement('div'); controls.className = 'controls'; box.append(controls);
+  const series = box.dataset.series, colours = palette(rows, series); if (colours.size) legend(box, colours);
   const grid = document.createElement('div'); grid.className = 'grid'; box.append(grid);
-  const draw = () => { grid.textContent = ''; for (const [name, list] of groups) { const f = document.createElement('figure'); if (name) { const c = document.createElement('figcaption'); c.textContent = name; f.append(c); } const host = document.createElement('div'); f.append(host); grid.append(f); chart(host, list, x, y); } };
+  const draw = () => { grid.textContent = ''; for (const [name, list] of groups) { const f = document.createElement('figure'); if (name) { const c = document.createElement('figcaption'); c.textContent = name; f.append(c); } const host = document.createElement('div'); f.append(host); grid.append(f); chart(host, list, x, y, series, colours); } };
   choose(controls, 'show', keys, y, v => { y = v; draw(); }); choose(controls, 'over', keys, x, v => { x = v; draw(); }); draw(); }
 for (const box of document.querySelectorAll('[data-wipe]')) {
   const pictures = JSON.parse(document.getElementById(box.dataset.wipe).textContent), names = Object.keys(pictures);

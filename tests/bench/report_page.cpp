@@ -15,6 +15,7 @@
 #include "tests/bench/papers.h"
 #include "tests/bench/report.h"
 #include "tests/bench/report_assets.h"
+#include "tests/bench/report_experiments.h"
 #include "tests/bench/tradeoff_front.h"
 
 namespace macula::bench {
@@ -38,6 +39,12 @@ std::string escaped(const std::string& text) {
       out += c;
   }
   return out;
+}
+
+/// As a table shows it: what could not be measured is a dash.
+std::string cell_text(const Value& value) {
+  const auto* number = std::get_if<double>(&value);
+  return number != nullptr && !std::isfinite(*number) ? "\u2013" : value_text(value);
 }
 
 /// JSON in a page must not end its own script: "</" becomes "<\\/", which is the same text.
@@ -84,7 +91,7 @@ std::string table_html(const std::vector<Fields>& rows, const std::set<std::stri
     for (const auto& [key, value] : row)
       if (!hidden.contains(key))
         html += base::concat("<td", is_text(value) ? " class=\"t\"" : "", ">",
-                             escaped(value_text(value)), "</td>");
+                             escaped(cell_text(value)), "</td>");
     html += "</tr>\n";
   }
   return html + "</tbody></table></div>\n";
@@ -134,6 +141,8 @@ class Section {
                      facts_html(report_.machine),
                      facts_html({{"commit", report_.commit},
                                  {"rows", static_cast<std::int64_t>(report_.rows.size())}}));
+    if (!view_.lead.empty())
+      html += base::concat("<p class=\"lead\">", escaped(std::string(view_.lead)), "</p>\n");
     if (!report_.command.empty())
       html += base::concat("<pre>", escaped(report_.command), "</pre>\n");
     html += base::concat("<details><summary>Settings</summary>", facts_html(report_.config),
@@ -145,20 +154,21 @@ class Section {
  private:
   std::string plain() const {
     if (report_.rows.empty()) return "<p>No rows.</p>\n";
-    const Fields& first = report_.rows.front();
-    const bool has_scene =
-        std::ranges::any_of(first, [](const auto& f) { return f.first == "scene"; });
     return as_script(id_ + "-rows", rows_json(report_.rows)) +
-           base::concat("<div data-charts=\"", id_, "-rows\" data-by=\"", has_scene ? "scene" : "",
-                        "\" data-x=\"cpu_ms\" data-y=\"", favourite(first), "\"></div>\n") +
-           table_html(report_.rows) + papers_html(report_.experiment);
+           charts(id_, holds("scene") ? "scene" : "") + table_html(report_.rows) +
+           papers_html(report_.experiment);
   }
 
-  static std::string favourite(const Fields& row) {
-    for (const char* key :
-         {"mse_f25", "rmse_in150", "flip", "speedup", "gp_psnr_best_db", "psnr_db"})
-      if (std::isfinite(number_in(row, key))) return key;
-    return {};
+  bool holds(std::string_view key) const {
+    return std::ranges::any_of(report_.rows.front(),
+                               [&](const auto& field) { return field.first == key; });
+  }
+
+  /// Of the rows in the script `id`-rows, one for each value of `by`.
+  std::string charts(const std::string& id, std::string_view by) const {
+    return base::concat("<div data-charts=\"", id, "-rows\" data-by=\"", by, "\" data-x=\"",
+                        view_.x, "\" data-y=\"", view_.y, "\" data-series=\"", view_.series,
+                        "\"></div>\n");
   }
 
   std::vector<Fields> rows_of(const std::string& key, const std::string& value,
@@ -181,24 +191,17 @@ class Section {
 
   std::string tradeoff() const {
     std::string html =
-        "<p class=\"lead\">Every point is a configuration: how long a frame takes, and how far it "
-        "is from the truth. Dashed: whole pictures, coarser or with more samples, and what no "
-        "other "
-        "of them beats. Red: the foveated front. Hover over a point for its name; choose what is "
-        "shown over what.</p>\n<div class=\"key\"><span><i style=\"border-color:var(--front)\"></i>"
+        "<div class=\"key\"><span><i style=\"border-color:var(--front)\"></i>"
         "foveated front</span><span><i style=\"border-color:var(--base)\"></i>whole pictures"
         "</span></div>\n";
     for (const std::string& kernel : values_of("kernel", report_.rows)) {
       const auto own = rows_of("kernel", kernel, report_.rows);
       const std::string id = base::concat(id_, "-", kernel);
-      html +=
-          base::concat("<h3 id=\"", id, "\">Kernel ", escaped(kernel), "</h3>\n") +
-          as_script(id + "-rows", rows_json(own)) +
-          base::concat("<div data-charts=\"", id,
-                       "-rows\" data-by=\"scene\" data-x=\"cpu_ms\" data-y=\"rmse_f10\"></div>\n") +
-          advantages(own) + wipes(own, id) +
-          "<details><summary>All rows (bold: on the front)</summary>" +
-          table_html(own, {"picture", "kernel", "uniform"}) + "</details>\n" + papers_html(kernel);
+      html += base::concat("<h3 id=\"", id, "\">Kernel ", escaped(kernel), "</h3>\n") +
+              as_script(id + "-rows", rows_json(own)) + charts(id, "scene") + advantages(own) +
+              wipes(own, id) + "<details><summary>All rows (bold: on the front)</summary>" +
+              table_html(own, {"picture", "kernel", "uniform"}) + "</details>\n" +
+              papers_html(kernel);
     }
     return html;
   }
@@ -270,6 +273,7 @@ class Section {
   }
 
   const LoadedReport& report_;
+  const ExperimentView& view_ = experiment_view(report_.experiment);
   const std::string id_;
   const fs::path folder_;
 };
@@ -315,13 +319,20 @@ std::string page_of(const std::string& sections, const std::string& links) {
 Result<void> run_report_page(const PageOptions& options) {
   const auto files = list_files(options.inputs);
   if (!files) return forward(files);
-  std::string sections, links;
-  for (std::size_t i = 0; i < files->size(); ++i) {
-    const auto report = read_report((*files)[i].string());
+  std::vector<std::pair<LoadedReport, fs::path>> reports;  // and the folder of each
+  for (const fs::path& file : *files) {
+    auto report = read_report(file.string());
     if (!report) return forward(report);
+    reports.emplace_back(std::move(*report), file.parent_path());
+  }
+  std::ranges::stable_sort(reports, {},
+                           [](const auto& one) { return experiment_order(one.first.experiment); });
+  std::string sections, links;
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    const auto& [report, folder] = reports[i];
     const std::string id = base::concat("r", i);
-    sections += Section(*report, id, (*files)[i].parent_path()).html();
-    links += base::concat("<a href=\"#", id, "\">", escaped(report->experiment), "</a>");
+    sections += Section(report, id, folder).html();
+    links += base::concat("<a href=\"#", id, "\">", escaped(report.experiment), "</a>");
   }
   errno = 0;
   std::ofstream out(options.out, std::ios::binary | std::ios::trunc);

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -79,6 +80,34 @@ TEST_F(ReportPage, AnyExperimentHasItsTable) {
   ASSERT_TRUE(
       write_json(path("codecs.json"), {"codecs", {}, {{{"bytes", 12345.0}, {"db", 40.0}}}}));
   EXPECT_TRUE(holds(page({path("codecs.json")}), "12345"));
+}
+
+TEST_F(ReportPage, WhatCouldNotBeMeasuredIsADash) {
+  ASSERT_TRUE(write_json(path("codecs.json"),
+                         {"codecs", {}, {{{"bytes", 1.0}, {"gain_db", std::nan("")}}}}));
+  const std::string html = page({path("codecs.json")});
+  EXPECT_TRUE(holds(html, "<td>\u2013</td>"));
+  EXPECT_FALSE(holds(html, "<td>nan</td>"));
+}
+
+// Files are read by name; the page begins with what sums up and ends with what it does not know.
+TEST_F(ReportPage, BeginsWithTheTradeOff) {
+  for (const char* experiment : {"a-new-one", "codecs", "tradeoff"})
+    ASSERT_TRUE(write_json(path(std::string(experiment) + ".json"),
+                           {experiment, {}, {{{"scene", std::string("x")}, {"cpu_ms", 1.0}}}}));
+  const std::string html = page({folder_.string()});
+  const auto place = [&](const char* name) { return html.find(std::string("<h2>") + name); };
+  EXPECT_LT(place("tradeoff"), place("codecs"));
+  EXPECT_LT(place("codecs"), place("a-new-one"));
+  EXPECT_NE(place("a-new-one"), std::string::npos);
+}
+
+TEST_F(ReportPage, SaysWhatAnExperimentShows) {
+  ASSERT_TRUE(write_json(path("codecs.json"),
+                         {"codecs", {}, {{{"codec", std::string("jpeg")}, {"psnr_f10_db", 1.0}}}}));
+  const std::string html = page({path("codecs.json")});
+  EXPECT_TRUE(holds(html, "Colour on its way"));
+  EXPECT_TRUE(holds(html, "data-series=\"codec\""));
 }
 
 TEST_F(ReportPage, WhatIsNoReportIsNamed) {
