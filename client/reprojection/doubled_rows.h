@@ -15,11 +15,16 @@ struct FragmentRow {
   const float *inverse_depth, *u, *v;
 };
 
+/// Neighbouring fragments farther apart in the source belong to different surfaces: twice what
+/// frames of 1.5 cells a pixel have between every second pixel.
+inline constexpr float kMostApart_cells = 6.0F;
+
 class DoubledRows {
  public:
-  /// Row `y` of the picture twice as wide and high; the fragments' band holds the rows above and
-  /// below its half, as far as there are any. Valid until the next call.
-  FragmentRow row(const Fragments& fragments, int y);
+  /// Row `y` of the picture twice as wide and high, for pixels made of fragments [first, end); the
+  /// fragments' band holds the rows above and below its half, as far as there are any. Valid until
+  /// the next call.
+  FragmentRow row(const Fragments& fragments, int y, int first, int end);
 
  private:
   /// Between two rows first, with an undrawn fragment before the first and after the last.

@@ -12,9 +12,6 @@
 #define MACULA_CLIENT_REPROJECTION_DOUBLED_ROWS_SIMD_ONCE
 namespace macula::reprojection {
 
-/// Neighbouring fragments farther apart in the source, in cells, belong to different surfaces:
-/// twice what frames of 1.5 cells a pixel have between every second pixel.
-inline constexpr float kMostApart = 6.0F;
 /// Before the first fragment of a row: a whole vector, so that loads stay aligned.
 inline constexpr int kBefore = 16;
 
@@ -43,7 +40,7 @@ HWY_INLINE HWY_ATTR Fragments16 load(const FragmentRow& row, int x) {
 /// A quarter of the way from `near` to `far` where they hang together.
 HWY_INLINE HWY_ATTR Fragments16 between(const Fragments16& near, const Fragments16& far) {
   const Floats d;
-  const F most = hn::Set(d, kMostApart), quarter = hn::Set(d, 0.25F);
+  const F most = hn::Set(d, kMostApart_cells), quarter = hn::Set(d, 0.25F);
   const F across = hn::Sub(far.u, near.u), down = hn::Sub(far.v, near.v);
   const auto together = hn::And(hn::Ge(far.inverse_depth, hn::Zero(d)),
                                 hn::Le(hn::Max(hn::Abs(across), hn::Abs(down)), most));
@@ -52,10 +49,10 @@ HWY_INLINE HWY_ATTR Fragments16 between(const Fragments16& near, const Fragments
           hn::Add(near.v, hn::Mul(step, down))};
 }
 
-HWY_ATTR void between_rows(const FragmentRow& near, const FragmentRow& far, int width,
+HWY_ATTR void between_rows(const FragmentRow& near, const FragmentRow& far, int first, int end,
                            const Row& out) {
   const Floats d;
-  for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(d))) {
+  for (int x = first; x < end; x += static_cast<int>(hn::Lanes(d))) {
     const Fragments16 made = between(load(near, x), load(far, x));
     hn::StoreU(made.inverse_depth, d, out.inverse_depth + x);
     hn::StoreU(made.u, d, out.u + x);
@@ -63,9 +60,9 @@ HWY_ATTR void between_rows(const FragmentRow& near, const FragmentRow& far, int 
   }
 }
 
-HWY_ATTR void double_row(const FragmentRow& row, int width, const Row& out) {
+HWY_ATTR void double_row(const FragmentRow& row, int first, int end, const Row& out) {
   const Floats d;
-  for (int x = 0; x < width; x += static_cast<int>(hn::Lanes(d))) {
+  for (int x = first; x < end; x += static_cast<int>(hn::Lanes(d))) {
     const Fragments16 here = load(row, x);
     const Fragments16 left = between(here, load(row, x - 1));
     const Fragments16 right = between(here, load(row, x + 1));
@@ -84,7 +81,7 @@ namespace macula::reprojection {
 HWY_EXPORT(between_rows);
 HWY_EXPORT(double_row);
 
-FragmentRow DoubledRows::row(const Fragments& fragments, int y) {
+FragmentRow DoubledRows::row(const Fragments& fragments, int y, int first, int end) {
   const int width = fragments.width(), here = y / 2;
   const int beside =
       std::clamp(y % 2 == 0 ? here - 1 : here + 1, fragments.first_row(), fragments.end_row() - 1);
@@ -98,10 +95,12 @@ FragmentRow DoubledRows::row(const Fragments& fragments, int y) {
   };
   const Row between{upright_.inverse_depth.data() + kBefore, upright_.u.data() + kBefore,
                     upright_.v.data() + kBefore};
-  HWY_DYNAMIC_DISPATCH(between_rows)(of(here), of(beside), width, between);
+  HWY_DYNAMIC_DISPATCH(between_rows)
+  (of(here), of(beside), std::max(first - 1, 0), std::min(end + 1, width), between);
   between.inverse_depth[-1] = between.inverse_depth[width] = -1.0F;
   const Row doubled{inverse_depth_.data(), u_.data(), v_.data()};
-  HWY_DYNAMIC_DISPATCH(double_row)({between.inverse_depth, between.u, between.v}, width, doubled);
+  HWY_DYNAMIC_DISPATCH(double_row)
+  ({between.inverse_depth, between.u, between.v}, first, end, doubled);
   return {doubled.inverse_depth, doubled.u, doubled.v};
 }
 

@@ -46,11 +46,6 @@ void project_corners(const Projection& projection, Patch& patch) {
 
 }  // namespace
 
-float sound_inverse_depth(float value) {
-  if (!(value > 0.0F) || std::isinf(value)) return 0.0F;  // also NaN
-  return std::min(value, kNearest_per_m);
-}
-
 RelativeView relative_view(const Pose& stage_from_source, const Pose& stage_from_display,
                            WarpOptions::Method method) {
   if (method == WarpOptions::Method::Stale) return {};
@@ -73,11 +68,6 @@ MeshProjector::MeshProjector(const SourceView& source, const RelativeView& relat
   const DVec2 scale = 1.0 / display.pixel_tangent();
   projection_.pixels_per_tangent = Vec2(scale);
   projection_.first_pixel = Vec2(-display.fov.tangent_min() * scale - 0.5);
-}
-
-float MeshProjector::inverse_depth(int column, int row) const {
-  const auto& plane = source_.inverse_depth_per_m;
-  return sound_inverse_depth(plane(cell_of(column, plane.width()), cell_of(row, plane.height())));
 }
 
 Vertex MeshProjector::project(float x_tangent, float y_tangent, float inverse_depth) const {

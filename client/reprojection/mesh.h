@@ -4,9 +4,12 @@
 // centre of cell i - 1; so the mesh reaches as far as the outermost cells do.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
+#include "client/reprojection/mesh_rules.h"
 #include "client/reprojection/patch.h"
 #include "client/reprojection/raster.h"
 #include "client/reprojection/warp.h"
@@ -14,7 +17,10 @@
 namespace macula::reprojection {
 
 /// A usable inverse depth: finite, in [0, 1000] per m.
-float sound_inverse_depth(float value);
+inline float sound_inverse_depth(float value) {
+  if (!(value > 0.0F) || std::isinf(value)) return 0.0F;  // also NaN
+  return std::min(value, kNearest_per_m);
+}
 
 /// How the display sees the source: a point at `inverse` depth along direction d of the source view
 /// lies along rotation * d + inverse * offset_m in display space; infinity (inverse 0) needs no
@@ -63,7 +69,10 @@ class MeshProjector {
   static int cell_of(int vertex, int size) {
     return vertex < 1 ? 0 : vertex > size ? size - 1 : vertex - 1;
   }
-  float inverse_depth(int column, int row) const;
+  float inverse_depth(int column, int row) const {
+    const auto& plane = source_.inverse_depth_per_m;
+    return sound_inverse_depth(plane(cell_of(column, plane.width()), cell_of(row, plane.height())));
+  }
   int layer_row() const { return layer_row_; }
   const Projection& projection() const { return projection_; }
   /// The vertex at a tangent of the source view, at a depth in source space. The oracle of

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -86,7 +87,8 @@ CellBits cells_with_steps(const Patch& patch, int row, float step);
 /// corners span in inverse depth, and no corner is behind the eye.
 bool is_flat(const Patch& patch, const Block& block, float tolerance);
 
-/// Of all vertices in front of the eye.
-RowRange pixel_rows(const Patch& patch);
+/// By vertex row of a patch: of all its vertices in front of the eye.
+using VertexRows = std::array<RowRange, Patch::kRows>;
+void pixel_rows(const Patch& patch, VertexRows& rows);
 
 }  // namespace macula::reprojection

@@ -61,20 +61,21 @@ HWY_INLINE HWY_ATTR Corners corners_of(const float* values, int column, int row)
           hn::LoadU(d, lower + 1)};
 }
 
-HWY_ATTR RowRange pixel_rows(const Patch& patch) {
+HWY_INLINE HWY_ATTR RowRange pixel_rows_of(const Patch& patch, int row) {
   const Floats d;
   constexpr float kFar = std::numeric_limits<float>::infinity();
   F least = set(kFar), most = set(-kFar);
-  for (int row = 0; row <= patch.rows; ++row) {
-    for (int column = 0; column <= patch.columns; column += static_cast<int>(hn::Lanes(d))) {
-      const F y = hn::Load(d, patch.y.data() + Patch::at(column, row));
-      const auto seen = hn::And(
-          hn::Eq(y, y), hn::FirstN(d, static_cast<std::size_t>(patch.columns + 1 - column)));
-      least = hn::Min(least, hn::IfThenElse(seen, y, set(kFar)));
-      most = hn::Max(most, hn::IfThenElse(seen, y, set(-kFar)));
-    }
+  for (int column = 0; column <= patch.columns; column += static_cast<int>(hn::Lanes(d))) {
+    const F y = hn::Load(d, patch.y.data() + Patch::at(column, row));
+    const auto seen =
+        hn::And(hn::Eq(y, y), hn::FirstN(d, static_cast<std::size_t>(patch.columns + 1 - column)));
+    least = hn::Min(least, hn::IfThenElse(seen, y, set(kFar)));
+    most = hn::Max(most, hn::IfThenElse(seen, y, set(-kFar)));
   }
   return {hn::GetLane(hn::MinOfLanes(d, least)), hn::GetLane(hn::MaxOfLanes(d, most))};
+}
+HWY_ATTR void pixel_rows(const Patch& patch, VertexRows& rows) {
+  for (int row = 0; row <= patch.rows; ++row) rows[row] = pixel_rows_of(patch, row);
 }
 
 HWY_ATTR CellBits cells_with_steps(const Patch& patch, int row, float step) {
@@ -436,8 +437,8 @@ CellBits draw_cells(const Patch& patch, int row, CellBits cells, Fragments& out)
 void draw_block(const BlockShape& shape, float grow_px, Fragments& out) {
   HWY_DYNAMIC_DISPATCH(draw_block)(shape, grow_px, out);
 }
-RowRange pixel_rows(const Patch& patch) {
-  return HWY_DYNAMIC_DISPATCH(pixel_rows)(patch);
+void pixel_rows(const Patch& patch, VertexRows& rows) {
+  HWY_DYNAMIC_DISPATCH(pixel_rows)(patch, rows);
 }
 CellBits cells_with_steps(const Patch& patch, int row, float step) {
   return HWY_DYNAMIC_DISPATCH(cells_with_steps)(patch, row, step);

@@ -2,6 +2,9 @@
 // thread.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
 #include "client/reprojection/doubled_rows.h"
 #include "client/reprojection/fragments.h"
 #include "client/reprojection/warp.h"
@@ -18,6 +21,16 @@ struct FineRanges {
 };
 FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
                        WarpOptions::Filter filter);
+/// Where cells are at most `widest_px` display pixels wide, and high.
+FineRanges narrow_cells(const PixelGrid& grid, const foveation::Display& display, float widest_px);
+
+/// Fragments of a row, [first, end).
+struct FragmentSpan {
+  int first, end;
+};
+/// A stretch of a row of `count` fragments that holds all that are drawn from within `ranges`; it
+/// begins and ends at multiples of sixteen or at the row's end.
+FragmentSpan span_within(const FragmentRow& fragments, int count, const FineRanges& ranges);
 
 /// Colours between cell centres; the grid's outermost cells go on beyond its edge; black where
 /// nothing is drawn. Rows from kSecondLayerRow on are those of the second layer. At a cell's centre
@@ -25,8 +38,10 @@ FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
 class Resolver {
  public:
   Resolver(const SourceView& source, const foveation::Display& display, WarpOptions::Filter filter);
-  /// Row `y` of `out`, which has the whole picture's size.
-  void resolve_row(const FragmentRow& fragments, int y, image::Plane<Rgb8>& out) const;
+  /// The pixels of `out`, those of a row from pixel `first` on.
+  void resolve_row(const FragmentRow& fragments, int first, std::span<Rgb8> out) const;
+  /// As four bytes each, red in the lowest, by Bilinear; room for a whole vector beyond `count`.
+  void resolve_words(const FragmentRow& fragments, int count, std::uint32_t* words) const;
 
  private:
   const image::Plane<Rgb8>& source_;

@@ -115,15 +115,29 @@ HWY_INLINE HWY_ATTR Cell cell_at(F place, int size) {
   return {before, hn::Sub(within, hn::ConvertTo(d, before))};
 }
 
+HWY_INLINE HWY_ATTR Mask within(const FineRanges& ranges, F u, F v) {
+  return hn::And(hn::And(hn::Ge(u, set(ranges.u.first)), hn::Le(u, set(ranges.u.last))),
+                 hn::And(hn::Ge(v, set(ranges.v.first)), hn::Le(v, set(ranges.v.last))));
+}
+
+/// Where a cell's row is without the second layer's offset.
+struct LayerRow {
+  F row;
+  Mask hidden;
+};
+HWY_INLINE HWY_ATTR LayerRow layer_row(F row) {
+  const F second = set(static_cast<float>(kSecondLayerRow));
+  const auto hidden = hn::Ge(row, hn::Sub(second, set(1.0F)));  // half a cell beyond its edge
+  return {hn::Sub(row, hn::IfThenElseZero(hidden, second)), hidden};
+}
+
 HWY_INLINE HWY_ATTR void find_places(const Resolving& r, int x, int count, Places& places) {
   const Floats d;
   const Ints di;
   places.drawn = places.fine = places.hidden = 0;
   for (int i = 0; i < kGroup; i += kLanes) {
-    const F u = hn::LoadU(d, r.fragments.u + x + i), row = hn::LoadU(d, r.fragments.v + x + i);
-    const F second = set(static_cast<float>(kSecondLayerRow));
-    const auto hidden = hn::Ge(row, hn::Sub(second, set(1.0F)));  // half a cell beyond its edge
-    const F v = hn::Sub(row, hn::IfThenElseZero(hidden, second));
+    const F u = hn::LoadU(d, r.fragments.u + x + i);
+    const auto [v, hidden] = layer_row(hn::LoadU(d, r.fragments.v + x + i));
     const auto drawn = hn::Ge(hn::LoadU(d, r.fragments.inverse_depth + x + i), set(0.0F));
     const Cell across = cell_at(hn::IfThenElseZero(drawn, u), r.source.width());
     const Cell down = cell_at(hn::IfThenElseZero(drawn, v), r.source.height());
@@ -131,11 +145,8 @@ HWY_INLINE HWY_ATTR void find_places(const Resolving& r, int x, int count, Place
     hn::Store(across.beyond, d, places.across + i);
     hn::Store(down.before, di, places.row + i);
     hn::Store(down.beyond, d, places.down + i);
-    const auto fine =
-        hn::And(hn::And(hn::Ge(u, set(r.fine.u.first)), hn::Le(u, set(r.fine.u.last))),
-                hn::And(hn::Ge(v, set(r.fine.v.first)), hn::Le(v, set(r.fine.v.last))));
     places.drawn |= bits_of(drawn) << i;
-    places.fine |= bits_of(fine) << i;
+    places.fine |= bits_of(within(r.fine, u, v)) << i;
     places.hidden |= bits_of(hidden) << i;
   }
   places.drawn &= (std::uint32_t{1} << count) - 1;
@@ -468,17 +479,51 @@ HWY_INLINE HWY_ATTR void write(const Colors& colors, std::uint32_t drawn, int co
   }
 }
 
-HWY_ATTR void resolve_row(const Resolving& r, std::span<Rgb8> out) {
+HWY_ATTR void resolve_row(const Resolving& r, int first, std::span<Rgb8> out) {
   Places places;
   Colors colors{};
   const int width = static_cast<int>(out.size());
   for (int x = 0; x < width; x += kGroup) {
     const int count = std::min(kGroup, width - x);
-    find_places(r, x, count, places);
+    find_places(r, first + x, count, places);
     if (places.fine != places.drawn) resolve_bilinear(r, places, colors);
     if (places.fine != 0) resolve_catmull_rom(r, places, colors);
     write(colors, places.drawn, count, out.data() + x);
   }
+}
+
+HWY_ATTR void resolve_words(const Resolving& r, int count, std::uint32_t* words) {
+  const Doubles d;
+  Places places;
+  Colors colors;
+  for (int x = 0; x < count; x += kGroup) {
+    find_places(r, x, std::min(kGroup, count - x), places);
+    resolve_bilinear(r, places, colors);
+    for (int i = 0; i < kGroup; i += kLanes) {
+      const auto bits = static_cast<std::uint16_t>(places.drawn >> i);
+      const auto drawn = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&bits));
+      hn::StoreU(hn::IfThenElseZero(drawn, hn::Load(d, colors.rgb + i)), d, words + x + i);
+    }
+  }
+}
+
+/// Whether any of sixteen fragments, those before `count`, is drawn from within `ranges`.
+HWY_INLINE HWY_ATTR bool any_within(const FragmentRow& row, int x, int count,
+                                    const FineRanges& ranges) {
+  const Floats d;
+  std::uint32_t found = 0;
+  for (int i = 0; i < kGroup; i += kLanes) {
+    const auto drawn = hn::Ge(hn::LoadU(d, row.inverse_depth + x + i), hn::Zero(d));
+    const F v = layer_row(hn::LoadU(d, row.v + x + i)).row;
+    found |= bits_of(hn::And(drawn, within(ranges, hn::LoadU(d, row.u + x + i), v))) << i;
+  }
+  return (found & ((std::uint32_t{1} << std::min(kGroup, count - x)) - 1)) != 0;
+}
+HWY_ATTR FragmentSpan span_within(const FragmentRow& row, int count, const FineRanges& ranges) {
+  int first = 0, end = (count + kGroup - 1) / kGroup * kGroup;
+  while (first < end && !any_within(row, first, count, ranges)) first += kGroup;
+  while (first < end && !any_within(row, end - kGroup, count, ranges)) end -= kGroup;
+  return {first, std::min(end, count)};
 }
 
 }  // namespace macula::reprojection::HWY_NAMESPACE
@@ -488,10 +533,10 @@ HWY_AFTER_NAMESPACE();
 namespace macula::reprojection {
 namespace {
 
-CellRange fine_range(const std::vector<float>& edges, double finest) {
+CellRange narrow_range(const std::vector<float>& edges, double widest) {
   CellRange range;
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-    if (edges[i + 1] - edges[i] > finest) continue;
+    if (edges[i + 1] - edges[i] > widest) continue;
     if (range.first > range.last) range.first = static_cast<float>(i);
     range.last = static_cast<float>(i);
   }
@@ -501,6 +546,17 @@ CellRange fine_range(const std::vector<float>& edges, double finest) {
 }  // namespace
 
 HWY_EXPORT(resolve_row);
+HWY_EXPORT(resolve_words);
+HWY_EXPORT(span_within);
+
+FragmentSpan span_within(const FragmentRow& fragments, int count, const FineRanges& ranges) {
+  return HWY_DYNAMIC_DISPATCH(span_within)(fragments, count, ranges);
+}
+
+FineRanges narrow_cells(const PixelGrid& grid, const foveation::Display& display, float widest_px) {
+  const DVec2 widest = static_cast<double>(widest_px) * display.pixel_tangent();
+  return {narrow_range(grid.x_edges, widest.x), narrow_range(grid.y_edges, widest.y)};
+}
 
 FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
                        WarpOptions::Filter filter) {
@@ -513,8 +569,7 @@ FineRanges fine_ranges(const PixelGrid& grid, const foveation::Display& display,
     case WarpOptions::Filter::Fovea:
       break;
   }
-  const DVec2 finest = static_cast<double>(WarpOptions::kFine_px) * display.pixel_tangent();
-  return {fine_range(grid.x_edges, finest.x), fine_range(grid.y_edges, finest.y)};
+  return narrow_cells(grid, display, WarpOptions::kFine_px);
 }
 
 Resolver::Resolver(const SourceView& source, const foveation::Display& display,
@@ -523,8 +578,12 @@ Resolver::Resolver(const SourceView& source, const foveation::Display& display,
       hidden_(source.hidden != nullptr ? source.hidden->color : source.color),
       fine_(fine_ranges(source.grid, display, filter)) {}
 
-void Resolver::resolve_row(const FragmentRow& fragments, int y, image::Plane<Rgb8>& out) const {
-  HWY_DYNAMIC_DISPATCH(resolve_row)({fragments, source_, hidden_, fine_}, out.row(y));
+void Resolver::resolve_row(const FragmentRow& fragments, int first, std::span<Rgb8> out) const {
+  HWY_DYNAMIC_DISPATCH(resolve_row)({fragments, source_, hidden_, fine_}, first, out);
+}
+
+void Resolver::resolve_words(const FragmentRow& fragments, int count, std::uint32_t* words) const {
+  HWY_DYNAMIC_DISPATCH(resolve_words)({fragments, source_, hidden_, fine_}, count, words);
 }
 
 }  // namespace macula::reprojection

@@ -5,10 +5,12 @@
 #include <bit>
 #include <limits>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <vector>
 
 #include "client/reprojection/cuts.h"
+#include "client/reprojection/doubled_colors.h"
 #include "client/reprojection/holes.h"
 #include "client/reprojection/raster_rules.h"
 #include "client/reprojection/resolve.h"
@@ -66,15 +68,15 @@ class MeshDrawing {
   }
 
   void draw(Fragments& out) {
-    const auto top = static_cast<float>(out.first_row());
-    const auto bottom = static_cast<float>(out.end_row() - 1);
+    band_ = {static_cast<float>(out.first_row()), static_cast<float>(out.end_row() - 1)};
     for (const PatchPlace& place : places_) {
-      if (!(place.pixel_rows.first <= bottom && place.pixel_rows.last >= top)) continue;
+      if (!is_in_band(place.pixel_rows)) continue;
       if (place.flat) {
         draw_block(place.shape, options_.detail_px, out);
       } else {
         mesh_.load(place.column, place.row, place.columns, place.rows, patch_);
         project_patch(mesh_.projection(), patch_);
+        pixel_rows(patch_, vertex_rows_);
         draw_patch(out);
       }
     }
@@ -110,28 +112,49 @@ class MeshDrawing {
     place.flat = is_flat(patch_, whole, flat_difference_);
     if (place.flat) {
       place.shape = shape_of(patch_, whole);
-      place.pixel_rows = place.shape.pixel_rows();
+      place.pixel_rows = grown(place.shape.pixel_rows());
     } else {
       project_patch(mesh_.projection(), patch_);
-      place.pixel_rows = pixel_rows(patch_);
+      pixel_rows(patch_, vertex_rows_);
+      place.pixel_rows = reach(0, patch_.rows);
     }
-    const float extent = place.pixel_rows.last - place.pixel_rows.first;
-    const float grow_px = kGrow * extent + 1.0F + options_.detail_px;
-    place.pixel_rows.first -= grow_px, place.pixel_rows.last += grow_px;
     return place;
+  }
+
+  /// With what triangles grow by, and a pixel.
+  RowRange grown(const RowRange& rows) const {
+    const float grow_px = kGrow * (rows.last - rows.first) + 1.0F + options_.detail_px;
+    return {rows.first - grow_px, rows.last + grow_px};
+  }
+  /// Pixel rows that the patch's cells of rows [row, row + rows) may draw to: those of their
+  /// vertices, and half a cell beyond, where a cut cell's quarter ends at its own depth.
+  RowRange reach(int row, int rows) const {
+    RowRange all = vertex_rows_[row];
+    for (int i = row + 1; i <= row + rows; ++i) {
+      all.first = std::min(all.first, vertex_rows_[i].first);
+      all.last = std::max(all.last, vertex_rows_[i].last);
+    }
+    const auto& y = patch_.y_tangents;
+    const float tallest = std::max(y[row + 1] - y[row], y[row + rows] - y[row + rows - 1]);
+    const float beyond_px = tallest * mesh_.projection().pixels_per_tangent.y;
+    return grown({all.first - beyond_px, all.last + beyond_px});
+  }
+  bool is_in_band(const RowRange& rows) const {
+    return rows.first <= band_.last && rows.last >= band_.first;
   }
 
   void draw_patch(Fragments& out) {
     single_.fill(0);
     draw_halves({0, 0, patch_.columns, patch_.rows}, out);
     for (int row = 0; row < patch_.rows; ++row) {
-      if (single_[row] != 0) draw_singles(row, out);
+      if (single_[row] != 0 && is_in_band(reach(row, 1))) draw_singles(row, out);
     }
   }
 
   void draw_blocks(const Block& block, Fragments& out) {
     if (!wanted_.any(patch_.column + block.column, patch_.row + block.row, block.columns,
-                     block.rows)) {
+                     block.rows) ||
+        !is_in_band(reach(block.row, block.rows))) {
       return;
     }
     if (is_flat(patch_, block, flat_difference_)) {
@@ -179,6 +202,8 @@ class MeshDrawing {
   std::vector<PatchPlace>& places_;
   Patch& patch_;
   std::array<CellBits, Patch::kCells> single_{};
+  VertexRows vertex_rows_{};  ///< of `patch_`
+  RowRange band_{};           ///< that is drawn now
 };
 
 /// One layer with all that its drawing refers to.
@@ -217,7 +242,7 @@ std::optional<SourceView> hidden_source(const SourceView& source, const WarpOpti
 }
 
 /// Rows of a band: what is drawn there stays in a second-level cache of a megabyte.
-constexpr int kBandBytes = 600'000;
+constexpr int kBandBytes = 900'000;
 int band_rows(int width) {
   return std::max(kBandBytes / (width * static_cast<int>(sizeof(Fragment))), 8);
 }
@@ -227,6 +252,10 @@ int pixels_a_side(const foveation::Display& display, const WarpOptions& options)
   const bool even = display.width_px % 2 == 0 && display.height_px % 2 == 0;
   return even && options.raster == WarpOptions::Raster::EverySecond ? 2 : 1;
 }
+
+/// Where one fragment stands for 2 x 2 pixels, cells that are wider have no detail between
+/// fragments.
+constexpr float kNarrow_px = 2.0F;
 
 /// Lengths in fragments.
 WarpOptions options_on_raster(WarpOptions options, int side_px) {
@@ -257,21 +286,44 @@ struct Warper::Memory {
   std::vector<PatchPlace> places, hidden_places;
   Fragments fragments;
   DoubledRows doubled;
+  DoubledColors doubled_colors;
+  FineRanges narrow;  ///< cells that pixels between fragments can tell apart
   Holes holes;
   int side_px = 1;  ///< of a fragment
 
   void resolve(const Resolver& resolver, int y, image::Plane<Rgb8>& out);
+  void resolve_doubled(const Resolver& resolver, int y, std::span<Rgb8> out,
+                       const FragmentSpan& exact);
 };
 
 /// The pixels of a row of fragments.
 void Warper::Memory::resolve(const Resolver& resolver, int y, image::Plane<Rgb8>& out) {
+  const FragmentRow row{fragments.inverse_depths(y), fragments.us(y), fragments.vs(y)};
   if (side_px == 1) {
-    resolver.resolve_row({fragments.inverse_depths(y), fragments.us(y), fragments.vs(y)}, y, out);
+    resolver.resolve_row(row, 0, out.row(y));
     return;
   }
-  for (const int row : {2 * y, 2 * y + 1}) {
-    resolver.resolve_row(doubled.row(fragments, row), row, out);
+  const FragmentSpan exact = span_within(row, fragments.width(), narrow);
+  for (const int pixel_row : {2 * y, 2 * y + 1}) {
+    resolve_doubled(resolver, pixel_row, out.row(pixel_row), exact);
   }
+}
+
+/// A row of pixels: those of the fragments `exact` each from its own place in the source, the
+/// others between fragments' colours.
+void Warper::Memory::resolve_doubled(const Resolver& resolver, int y, std::span<Rgb8> out,
+                                     const FragmentSpan& exact) {
+  const auto [first, end] = exact;
+  const auto smooth = [&](int from, int to) {
+    if (from < to) doubled_colors.draw(fragments, resolver, y, from, to, out);
+  };
+  smooth(0, first);  // from left to right: it may write beyond
+  if (first < end) {
+    const auto begin_px = static_cast<std::size_t>(2 * first);
+    resolver.resolve_row(doubled.row(fragments, y, first, end), 2 * first,
+                         out.subspan(begin_px, static_cast<std::size_t>(2 * end) - begin_px));
+  }
+  smooth(end, fragments.width());
 }
 
 Warper::Warper() : memory_(std::make_unique<Memory>()) {}
@@ -285,7 +337,8 @@ WarpReport Warper::warp(const SourceView& source, const Pose& stage_from_display
   check_sizes(source, display);
   const RelativeView relative =
       relative_view(source.stage_from_view, stage_from_display, options.method);
-  auto& [patch, places, hidden_places, fragments, doubled, holes, side_px] = *memory_;
+  auto& [patch, places, hidden_places, fragments, doubled, doubled_colors, narrow, holes, side_px] =
+      *memory_;
   side_px = pixels_a_side(display, options);
   const foveation::Display raster{display.fov, display.width_px / side_px,
                                   display.height_px / side_px};
@@ -299,6 +352,8 @@ WarpReport Warper::warp(const SourceView& source, const Pose& stage_from_display
   }
   const Resolver resolver(source, display, options.filter);
   fragments.resize(raster.width_px, raster.height_px);
+  doubled_colors.begin(raster.width_px);
+  narrow = narrow_cells(source.grid, display, kNarrow_px);
   holes.clear();
   if (out.width() != display.width_px || out.height() != display.height_px) {
     out.resize(display.width_px, display.height_px);

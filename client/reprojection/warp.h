@@ -54,9 +54,9 @@ struct WarpOptions {
   enum class Filter { Bilinear, CatmullRom, Fovea };
   Filter filter = Filter::Fovea;
   static constexpr float kFine_px = 2.5F;
-  /// EverySecond: the mesh is drawn for every second pixel of every second row, places between are
-  /// interpolated, and silhouettes are true to two pixels; of displays with even sizes, others take
-  /// EveryPixel.
+  /// EverySecond: the mesh is drawn for every second pixel of every second row, and silhouettes are
+  /// true to two pixels. Between those, places are interpolated where cells are at most two pixels
+  /// wide and high, and colours elsewhere. Of displays with even sizes; others take EveryPixel.
   enum class Raster { EveryPixel, EverySecond };
   Raster raster = Raster::EveryPixel;
 
@@ -88,8 +88,8 @@ enum class Coverage : std::uint8_t { Outside, Covered, Filled };
 
 /// `out` (and `coverage` unless null) get the display's size. Colours are interpolated between cell
 /// centres in display-encoded values; a display pixel that falls on a cell's centre gets that
-/// cell's colour to the bit. Geometry nearer than 1 cm to the display eye is left out. The same
-/// bits on every instruction set.
+/// cell's colour to the bit (but for colours between those of EverySecond). Geometry nearer than 1
+/// cm to the display eye is left out. The same bits on every instruction set.
 WarpReport warp(const SourceView& source, const Pose& stage_from_display,
                 const foveation::Display& display, const WarpOptions& options,
                 image::Plane<Rgb8>& out, image::Plane<Coverage>* coverage = nullptr);

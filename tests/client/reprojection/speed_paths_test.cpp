@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "client/reprojection/doubled_colors.h"
 #include "client/reprojection/doubled_rows.h"
 #include "client/reprojection/mesh.h"
 #include "client/reprojection/raster.h"
@@ -137,7 +138,7 @@ TEST(SpeedPaths, PlacesBetweenFragmentsAreInterpolatedButForSilhouettes) {
   fragments.set(5, 5, {});
   DoubledRows rows;
   for (int y = 1; y + 1 < 2 * kSide; ++y) {
-    const FragmentRow row = rows.row(fragments, y);
+    const FragmentRow row = rows.row(fragments, y, 0, kSide);
     for (int x = 1; x + 1 < 2 * kSide; ++x) {
       const bool drawn = x / 2 != 5 || y / 2 != 5;
       ASSERT_EQ(row.inverse_depth[x] >= 0.0F, drawn) << x << ", " << y;
@@ -150,6 +151,113 @@ TEST(SpeedPaths, PlacesBetweenFragmentsAreInterpolatedButForSilhouettes) {
       ASSERT_EQ(row.v[x], static_cast<float>(y) - 0.5F) << y;
     }
   }
+}
+
+/// Cells of four pixels: red grows by eight levels a cell, sideways, green by four, downwards.
+struct Ramp {
+  static constexpr int kCells = 32;
+  foveation::Display display = square_display(4 * kCells);
+  PixelGrid grid = grid_with_margin(square_display(kCells), 0);
+  image::Plane<Rgb8> color{kCells, kCells};
+  image::Plane<float> inverse_depth{kCells, kCells, 1.0F};
+  Ramp() {
+    for (int y = 0; y < kCells; ++y) {
+      for (int x = 0; x < kCells; ++x) {
+        color(x, y) = {static_cast<std::uint8_t>(8 * x), static_cast<std::uint8_t>(4 * y), 77};
+      }
+    }
+  }
+  SourceView view() const { return {{}, grid, color, inverse_depth}; }
+};
+
+TEST(SpeedPaths, ColoursBetweenFragmentsAreInterpolatedButForSilhouettes) {
+  constexpr int kSide = 40, kJump = 20;
+  const Ramp ramp;
+  const SourceView source = ramp.view();
+  const Resolver resolver(source, ramp.display, WarpOptions::Filter::Bilinear);
+  Fragments fragments(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      const float beyond = x < kJump ? 1.0F : 11.0F;  // cells: another surface
+      fragments.set(x, y,
+                    {1.0F, 0.5F * static_cast<float>(x) + beyond, 0.5F * static_cast<float>(y)});
+    }
+  }
+  fragments.set(5, 5, {});
+  DoubledColors colors;
+  colors.begin(kSide);
+  std::vector<Rgb8> row(2 * kSide);
+  for (int y = 0; y < 2 * kSide; ++y) {
+    colors.draw(fragments, resolver, y, 0, kSide, row);
+    for (int x = 1; x + 1 < 2 * kSide; ++x) {
+      const bool drawn = x / 2 != 5 || y / 2 != 5;
+      ASSERT_TRUE(drawn || row[x] == Rgb8{}) << x << ", " << y;
+      const bool by_hole = std::abs(x - 10.5) < 2.0 && std::abs(y - 10.5) < 2.0;
+      if (by_hole || y == 0 || y + 1 == 2 * kSide) continue;
+      const bool by_jump = x == 2 * kJump - 1 || x == 2 * kJump;
+      const double beyond = x < 2 * kJump ? 1.0 : 11.0;
+      const double u = (by_jump ? 0.5 * (x / 2) : 0.25 * x - 0.125) + beyond;
+      ASSERT_NEAR(row[x].r, 8.0 * u, 1.0) << x << ", " << y;
+      ASSERT_NEAR(row[x].g, y - 0.5, 1.0) << x << ", " << y;
+      ASSERT_EQ(row[x].b, 77) << x << ", " << y;
+    }
+  }
+}
+
+// What is drawn of a row's middle is what is drawn of the whole row there.
+TEST(SpeedPaths, APartOfARowOfColoursIsThatOfTheWholeRow) {
+  constexpr int kSide = 40;
+  const Ramp ramp;
+  const SourceView source = ramp.view();
+  const Resolver resolver(source, ramp.display, WarpOptions::Filter::Bilinear);
+  Fragments fragments(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      fragments.set(x, y, {1.0F, 0.7F * static_cast<float>(x), 0.6F * static_cast<float>(y)});
+    }
+  }
+  DoubledColors whole, parts;
+  whole.begin(kSide), parts.begin(kSide);
+  for (int y = 0; y < 2 * kSide; ++y) {
+    std::vector<Rgb8> one(2 * kSide), other(2 * kSide);
+    whole.draw(fragments, resolver, y, 0, kSide, one);
+    parts.draw(fragments, resolver, y, 0, 16, other);
+    parts.draw(fragments, resolver, y, 16, kSide, other);
+    ASSERT_EQ(one, other) << y;
+  }
+}
+
+// In grid mode, pixels made of cells that are at most two of them wide come from their own places:
+// fine stripes stay what they are; the twin, as if all cells were wide, loses them.
+TEST(SpeedPaths, WhereCellsAreNarrowEachPixelHasItsOwnPlace) {
+  const auto display = square_display(120);
+  const auto stripes = [](const DVec3& origin, const DVec3& direction) {
+    const double t = (-1.0 - origin.z) / direction.z;
+    return Sight{t, waves(origin.x + t * direction.x, 0.0, 25.0)};
+  };
+  const Frame frame = draw(stripes, grid_with_margin(display, 10), {}, 4);
+  const WarpOptions each{.filter = WarpOptions::Filter::Bilinear};
+  WarpOptions second = each;
+  second.raster = WarpOptions::Raster::EverySecond;
+  image::Plane<Rgb8> by_each, by_second;
+  warp(frame.view(), {}, display, each, by_each);
+  warp(frame.view(), {}, display, second, by_second);
+  const auto everywhere = [](int, int) { return true; };
+  EXPECT_GT(psnr_db(by_each, by_second, everywhere), 40.0);
+  const SourceView source = frame.view();
+  const Resolver resolver(source, display, WarpOptions::Filter::Bilinear);
+  image::Plane<Rgb8> smooth(120, 120);
+  Fragments fragments(60, 60);
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 60; ++x) {
+      fragments.set(
+          x, y, {1.0F, 2.0F * static_cast<float>(x) + 10.5F, 2.0F * static_cast<float>(y) + 10.5F});
+    }
+  }
+  DoubledColors colors;
+  colors.begin(60);
+  for (int y = 0; y < 120; ++y) colors.draw(fragments, resolver, y, 0, 60, smooth.row(y));
+  EXPECT_LT(psnr_db(by_each, smooth, everywhere), 30.0);
 }
 
 TEST(SpeedPaths, AWarperThatKeepsItsMemoryShowsWhatANewOneShows) {
