@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kBlock = 8;  // cells a side, as the frame states residuals
+/// Cells to every side among whose centres something shows that is thinner than a cell: a wire
+/// misses most centres along it, hardly ever seven in a row.
+constexpr int kAround = 3;
 constexpr int kEvery = 4;  // cells, of a summary
 /// A block's columns and rows may lie so far, in cells, from where they are drawn (raster_simd).
 constexpr double kUneven_cells = 0.01;
@@ -44,13 +47,13 @@ DVec2 ErrorBound::place(int x, int y, double fx, double fy, double inverse_depth
   return (DVec2{point.x, -point.y} / -point.z - tangent_min_) * pixels_per_tangent_;
 }
 
-/// Inverse depth, 1/m: what the frame states, and the largest step to a cell around.
+/// Inverse depth, 1/m: what the frame states, and the largest step to the cells around.
 double ErrorBound::depth_doubt(int x, int y) const {
   const auto& plane = source_.inverse_depth_per_m;
   const float here = sound_inverse_depth(plane(x, y));
   float step = 0.0F;
-  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, plane.height() - 1); ++j) {
-    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, plane.width() - 1); ++i) {
+  for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, plane.height() - 1); ++j) {
+    for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, plane.width() - 1); ++i) {
       step = std::max(step, std::abs(sound_inverse_depth(plane(i, j)) - here));
     }
   }

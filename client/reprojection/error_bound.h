@@ -2,9 +2,10 @@
 // surface that the frame saw. A colour stands for all points of its cell, at the depth the frame
 // says for the cell's centre; so the bound is the way from the centre to the cell's farthest corner
 // (resampling), and the parallax of all that is not known of the depth there: the residual that the
-// frame states for its block of 8x8 cells, and the steps to the cells around, where another surface
-// may begin. What is guessed or hidden, and things that move, are not in it: Coverage tells the
-// guesses. Surfaces thinner than a cell that no cell's centre meets are beyond what a frame knows.
+// frame states for its block of 8x8 cells, and the steps to the cells around, three to every side,
+// where another surface may begin or one show that is thinner than a cell. What is guessed or
+// hidden, and things that move, are not in it: Coverage tells the guesses. What shows at no cell's
+// centre there is beyond what a frame knows: a few of a million points, slits and wires.
 #pragma once
 
 #include <cstdint>
