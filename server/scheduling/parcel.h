@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 #include <type_traits>
@@ -55,6 +56,17 @@ class Parcel {
                                   static_cast<std::size_t>(rect.width)));
     }
   }
+  /// The cells of that part whose `mask`, of the plane's size, is `wanted`.
+  template <class T>
+  void masked(image::Plane<T>& plane, const image::Rect& rect,
+              const image::Plane<std::uint8_t>& mask, std::uint8_t wanted) {
+    if (plane.empty()) return;
+    std::vector<T> some(static_cast<std::size_t>(rect.width) + 1);  // one more: see below
+    for (int y = rect.y; y < rect.y + rect.height; ++y) {
+      const auto begin = static_cast<std::size_t>(rect.x);
+      masked_row(plane.row(y).data() + begin, mask.row(y).data() + begin, wanted, some);
+    }
+  }
   /// Cells from anywhere in a plane; empty planes have none.
   template <class T>
   void cells(image::Plane<T>& plane, std::span<const image::Pixel> cells) {
@@ -65,6 +77,24 @@ class Parcel {
  private:
   Parcel(std::vector<std::byte>* to, std::size_t* weight, std::span<const std::byte> from)
       : to_(to), weight_(weight), from_(from) {}
+
+  /// Without branches: a mask is noise. What is not wanted goes where the next one goes.
+  template <class T>
+  void masked_row(T* cells, const std::uint8_t* mask, std::uint8_t wanted, std::vector<T>& some) {
+    const std::size_t width = some.size() - 1;
+    std::size_t count = 0;
+    for (std::size_t x = 0; x < width; ++x) {
+      some[count] = cells[x];
+      count += mask[x] == wanted ? 1 : 0;
+    }
+    values(std::span<T>(some.data(), count));
+    if (!unpacks()) return;
+    for (std::size_t x = 0, next = 0; x < width; ++x) {
+      const bool is_wanted = mask[x] == wanted;
+      cells[x] = is_wanted ? some[next] : cells[x];
+      next += is_wanted ? 1 : 0;
+    }
+  }
 
   void move(void* memory, std::size_t bytes) {
     if (bytes == 0) return;

@@ -94,15 +94,24 @@ class Chooser {
     for (int y = block.y0; y < block.y1; ++y)
       for (int x = block.x0; x < block.x1; ++x) out_(x, y) = 1;
   }
+  /// Importance falls with eccentricity, so that a cell's own is only worked out where its
+  /// threshold lies between what the block's nearest and farthest points have.
   void choose(const Block& block, float edge) {
+    const double most = importance(Degrees{block.nearest_deg}, edge, config_);
+    const double least = importance(Degrees{block.farthest_deg}, edge, config_);
     for (int y = block.y0; y < block.y1; ++y) {
       for (int x = block.x0; x < block.x1; ++x) {
-        const Degrees e = eccentricity_of(view_, view_.grid.tangent(x, y));
-        const double p =
-            std::max(importance(e, edge, config_), static_cast<double>(areas_.importance(x, y)));
-        out_(x, y) = threshold(x, y, frame_, seed_, config_.rule) < p ? 1 : 0;
+        const double held_against = threshold(x, y, frame_, seed_, config_.rule);
+        const bool by_size = held_against < static_cast<double>(areas_.importance(x, y));
+        out_(x, y) = by_size || held_against < least ||
+                             (held_against < most && held_against < importance_of(x, y, edge))
+                         ? 1
+                         : 0;
       }
     }
+  }
+  double importance_of(int x, int y, float edge) const {
+    return importance(eccentricity_of(view_, view_.grid.tangent(x, y)), edge, config_);
   }
 
   const View& view_;

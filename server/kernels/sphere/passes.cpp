@@ -219,8 +219,12 @@ class ViewRun {
   template <class Begin, class Outputs>
   void trace(const PixelGrid& grid, int samples, int side, const Plane<std::uint8_t>* mask,
              Audience audience, Begin begin, Outputs outputs);
-  auto cells_written() {
-    return [this](const image::Rect& tile, Parcel& parcel) { kernels::carry(out_, tile, parcel); };
+  /// Of the view's grid; all of them without a mask.
+  auto cells_written(const Plane<std::uint8_t>* mask = nullptr) {
+    return [this, mask](const image::Rect& tile, Parcel& parcel) {
+      if (mask == nullptr) return kernels::carry(out_, tile, parcel);
+      kernels::carry(out_, tile, *mask, 1, parcel);
+    };
   }
 
   const ViewContext& context_;
@@ -295,7 +299,7 @@ void ViewRun::trace_cells(int samples, const Plane<std::uint8_t>* mask, Audience
   trace(
       grid, samples, 1, mask, audience,
       [&] { return ShadeInto(context_, grid, samples, CellWriter(context_, grid, samples, out_)); },
-      cells_written());
+      cells_written(mask));
 }
 
 /// Takes nothing: levels that only guide the next.
@@ -328,11 +332,12 @@ void ViewRun::trace_paper_pyramid() {
       level(kLast), cells_written());
 }
 
-/// All that a MidWriter writes.
-void carry(MidLevel& mid, const image::Rect& tile, Parcel& parcel) {
-  parcel.rect(mid.radiance, tile), parcel.rect(mid.inverse_depth, tile), parcel.rect(mid.age, tile);
-  parcel.rect(mid.surface_id, tile), parcel.rect(mid.normal, tile);
-  parcel.rect(mid.albedo, tile), parcel.rect(mid.steps, tile);
+/// All that a MidWriter writes, where the mask says so.
+void carry(MidLevel& mid, const image::Rect& tile, const Plane<std::uint8_t>& mask,
+           Parcel& parcel) {
+  const auto written = [&](auto& plane) { parcel.masked(plane, tile, mask, 1); };
+  written(mid.radiance), written(mid.inverse_depth), written(mid.age), written(mid.surface_id);
+  written(mid.normal), written(mid.albedo), written(mid.steps);
 }
 
 void ViewRun::trace_mid(const PixelGrid& mid_grid, MidLevel& mid) {
@@ -343,7 +348,7 @@ void ViewRun::trace_mid(const PixelGrid& mid_grid, MidLevel& mid) {
   trace(
       mid_grid, n, kMidSide, &wanted, Audience::EveryRank,
       [&] { return ShadeInto(context_, mid_grid, n, MidWriter(context_.wanted, n, mid)); },
-      [&](const image::Rect& tile, Parcel& parcel) { carry(mid, tile, parcel); });
+      [&](const image::Rect& tile, Parcel& parcel) { carry(mid, tile, wanted, parcel); });
 }
 
 /// Traces the cells where the middle level shows detail and adds them to `finished`.
@@ -458,10 +463,12 @@ void ViewRun::foveated(const ViewHistory* last, ViewHistory& now) {
   if (report_.stopped) return;
   scheduling::RowBands bands(scheduler_, view.grid.height());
   fill_unimportant(view.grid, now.mid_grid, finished, mid, context_.wanted, bands, out_);
-  if (config.transition == Transition::Gaussian)
-    soften_transitions(important, bands, out_.radiance);
+  const bool softened = config.transition == Transition::Gaussian;
+  if (softened) soften_transitions(important, bands, out_.radiance);
   const auto outcome = bands.gather(Audience::RankZero, [&](int y, Parcel& parcel) {
-    kernels::carry(out_, image::Rect{0, y, view.grid.width(), 1}, parcel);
+    const image::Rect row{0, y, view.grid.width(), 1};
+    if (softened) return kernels::carry(out_, row, parcel);
+    kernels::carry(out_, row, finished, 0, parcel);  // it has the others
   });
   report_.stopped = report_.stopped || outcome == Outcome::Stopped;
 }
