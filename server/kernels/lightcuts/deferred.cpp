@@ -23,19 +23,15 @@ namespace {
 constexpr std::uint64_t kKeptSeed = 0x10'0A11'0002ULL;
 
 std::vector<LowPicture> draw_low(const FrameRequest& request, const SceneFrame& scene,
-                                 const Config& config, TileScheduler& scheduler,
+                                 const Config& config, LowViews& low, TileScheduler& scheduler,
                                  FrameReport& report) {
-  const std::vector<View> views = ray::thinned(request.views, config.low_resolution);
-  const FrameRequest low{views, request.foveation, request.frame,
-                         math::hash_combine(request.seed, kKeptSeed)};
-  FrameBuffers unused;
-  prepare_buffers(views, unused);
-  std::vector<ViewSurfaces> surfaces;
-  report += trace_surfaces(low, scene, config.ray, scheduler, surfaces, unused);
-  std::vector<LowPicture> pictures(views.size());
-  for (std::size_t v = 0; v < views.size() && !report.stopped; ++v) {
+  const std::uint64_t seed = math::hash_combine(request.seed, kKeptSeed);
+  std::vector<LowPicture> pictures(low.views.size());
+  for (std::size_t v = 0; v < low.views.size() && !report.stopped; ++v) {
+    give_keys(low.views[v].grid, seed, request.frame, low.surfaces[v]);
     pictures[v].factor = config.low_resolution;
-    report += draw_low_picture(scene, surfaces[v], v, config.kept_nodes, scheduler, pictures[v]);
+    report +=
+        draw_low_picture(scene, low.surfaces[v], v, config.kept_nodes, scheduler, pictures[v]);
   }
   return pictures;
 }
@@ -62,9 +58,6 @@ class Frame {
         last != nullptr && last->views.size() == request_.views.size() ? last : nullptr;
     trace(before);
     plan();
-    if (!report_.stopped && config_.source != LightSource::Walks && perceived()) {
-      low_ = draw_low(request_, scene_, config_, scheduler_, report_);
-    }
     if (last != nullptr && last->views.size() != request_.views.size()) last = nullptr;
     auto kept = std::make_unique<LightHistory>();
     kept->views.resize(request_.views.size());
@@ -91,11 +84,21 @@ class Frame {
     if (perceived()) out_.wanted |= kNormal | kAlbedo | kSurfaceId;  // the map's features
     prepare_buffers(request_.views, out_);
     report_ = trace_surfaces(request_, scene_, config_.ray, scheduler_, surfaces_, out_);
-    if (perceived() && !report_.stopped) {
-      plan_ = plan_lights(request_, scene_, config_, out_, speeds_since(last), scheduler_);
-      report_ += plan_.report;
-    }
+    if (perceived() && !report_.stopped) perceive(last);
     out_.wanted = wanted;
+  }
+  /// The map, and what it lets cells take from others.
+  void perceive(const LightHistory* last) {
+    const bool draws = config_.source != LightSource::Walks;
+    LowViews low;
+    if (draws || config_.low_nodes > 0)
+      low = trace_low_views(request_, scene_, config_, scheduler_);
+    report_ += low.report;
+    if (report_.stopped) return;
+    plan_ = plan_lights(request_, scene_, config_, out_, speeds_since(last), low, scheduler_);
+    report_ += plan_.report;
+    if (draws && !report_.stopped)
+      low_ = draw_low(request_, scene_, config_, low, scheduler_, report_);
   }
   /// None where the scene's clock does not tell how long ago the last frame was: it rests, starts
   /// or leaps.
@@ -126,15 +129,16 @@ class Frame {
     return {plan_.cut_nodes[v], config_.most_nodes, &plan_.maps[v].map,
             low_.empty() ? nullptr : &low_[v]};
   }
-  /// Reservoirs ask all over the picture, the denoiser in its band.
+  /// How far the denoiser smooths.
   void look(std::size_t v) {
-    const int height = surfaces_[v].height;
-    eccentricity_.resize(surfaces_[v].width, height);
-    scheduling::RowBands bands(scheduler_, height);
-    report_.stopped |=
-        bands.run(reservoirs() ? scheduling::Rows{0, height} : bands.own(), [&](int y) {
-          request_.foveation.eccentricity_row(v, y, eccentricity_.row(y));
-        }) == scheduling::Outcome::Stopped;
+    if (!denoises()) return;
+    const ViewSurfaces& view = surfaces_[v];
+    eccentricity_.resize(view.width, view.height);
+    scheduling::RowBands bands(scheduler_, view.height);
+    const auto outcome = bands.run(bands.own(), [&](int y) {
+      request_.foveation.eccentricity_row(v, y, eccentricity_.row(y));
+    });
+    report_.stopped |= outcome == scheduling::Outcome::Stopped;
   }
 
   void light(std::size_t v, KeptView* last, KeptView& kept) {
@@ -149,8 +153,8 @@ class Frame {
     const auto outcome = scheduling::run_shared(
         scheduler_, parts.size(), Audience::EveryRank, [&] { return places(v, plan); },
         [&](std::size_t k) {
-          parts[k] = other ? light_rest(*other, view.tiles[k], plan, last, kept)
-                           : light_tile(view.tiles[k], plan, last, kept);
+          parts[k] = other ? light_rest(*other, v, view.tiles[k], plan, last, kept)
+                           : light_tile(v, view.tiles[k], plan, last, kept);
         },
         [&](std::size_t k, Parcel& parcel) {
           kernels::carry(parts[k], parcel);
@@ -178,8 +182,8 @@ class Frame {
     return places;
   }
   /// What the first view has not found already.
-  FrameReport light_rest(const OtherEye& other, const SurfaceTile& tile, const CutPlan& plan,
-                         const KeptView* last, KeptView& kept) {
+  FrameReport light_rest(const OtherEye& other, std::size_t v, const SurfaceTile& tile,
+                         const CutPlan& plan, const KeptView* last, KeptView& kept) {
     const auto begin = std::chrono::steady_clock::now();
     const auto rest = std::make_unique<SurfaceTile>();
     rest->rect = tile.rect;
@@ -193,18 +197,18 @@ class Frame {
       }
     }
     const double reproject_ms = units::to_ms(std::chrono::steady_clock::now() - begin);
-    FrameReport report = light_tile(*rest, plan, last, kept);
+    FrameReport report = light_tile(v, *rest, plan, last, kept);
     report.reproject_ms = reproject_ms, report.resampled_cells = rest->points.count;
     return report;
   }
-  FrameReport light_tile(const SurfaceTile& tile, const CutPlan& plan, const KeptView* last,
-                         KeptView& kept) {
+  FrameReport light_tile(std::size_t v, const SurfaceTile& tile, const CutPlan& plan,
+                         const KeptView* last, KeptView& kept) {
     FrameReport report;
     CutWork work;
     std::vector<Rgb> slots(tile.points.count, Rgb{0.0F});
     add_lights_apart(scene_, tile.points, work.lighting, slots);
     if (reservoirs()) {
-      add_reservoir_light(scene_, tile, plan, config_.reservoirs, last, eccentricity_, work,
+      add_reservoir_light(scene_, tile, plan, config_.reservoirs, last, request_.views[v], work,
                           kept.reservoirs, slots);
     } else {
       add_cut_light(scene_, tile, plan, work, slots);
@@ -232,7 +236,8 @@ class Frame {
                        light *= by(glm::max(tile.points.reflectors.reflectance[i], Rgb{kLeast}));
                      });
     };
-    scale({0, light_.height()}, [](const Rgb& reflectance) { return Rgb{1.0F} / reflectance; });
+    scale(bands.around(kDenoiseReach),
+          [](const Rgb& reflectance) { return Rgb{1.0F} / reflectance; });
     const bool is_known = last != nullptr && last->memory.surfaces.width() > 0;
     const DenoiseJob job{request_.views[v], surfaces_[v], eccentricity_, plan_.cut_nodes[v],
                          is_known ? &last->memory : nullptr};

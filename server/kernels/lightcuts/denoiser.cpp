@@ -15,6 +15,7 @@ using reconstruction::SurfacePlanes;
 using reconstruction::WidePlane;
 
 constexpr int kMostPasses = 5;
+static_assert(2 << (kMostPasses - 1) == kDenoiseReach);
 constexpr float kPerDegree = std::numbers::pi_v<float> / 180.0F;
 /// Memory of fewer frames is smoothed by a pass more.
 constexpr float kShortMemory = 4.0F;
@@ -34,7 +35,7 @@ class Denoiser {
       : job_(job),
         scheduler_(scheduler),
         bands_(scheduler, light.height()),
-        seen_(bands_.around(reach_of(kMostPasses - 1))),
+        seen_(bands_.around(kDenoiseReach)),
         light_(light),
         memory_(memory) {
     memory.world_from_view = job.view.world_from_view;

@@ -19,9 +19,12 @@ struct DenoiseJob {
   const Plane<std::uint16_t>& samples;  ///< of each cell, >= 1
   LightMemory* last = nullptr;  ///< none: of this frame alone; rows that others made come here
 };
+/// Rows to either side of a cell that its light may come from.
+inline constexpr int kDenoiseReach = 32;
+
 /// `light`, linear, of the cells with a surface; others are left alone. `memory` is for the next
-/// frame. Where the frame is shared, each rank needs all of the light and has the rows of its own
-/// band of it (RowBands), and of the memory, afterwards.
+/// frame. Where the frame is shared, each rank needs the light of its own band (RowBands) and of
+/// kDenoiseReach rows around it, and has its own band's, and the memory's, afterwards.
 scheduling::Outcome denoise(const DenoiseJob& job, TileScheduler& scheduler, Plane<Rgb>& light,
                             LightMemory& memory);
 

@@ -27,14 +27,13 @@ Plane<float> shown_luminance(const Plane<Rgb>& radiance, const image::Tone& tone
   return luminance;
 }
 
-/// The views at a few nodes a pixel, lit alike everywhere.
-FrameReport render_low(const FrameRequest& request, const SceneFrame& scene, const Config& config,
-                       TileScheduler& scheduler, FrameBuffers& out) {
-  std::vector<ViewSurfaces> surfaces;
-  prepare_buffers(request.views, out);
-  FrameReport report = trace_surfaces(request, scene, config.ray, scheduler, surfaces, out);
-  for (std::size_t v = 0; v < surfaces.size(); ++v) {
-    const ViewSurfaces& view = surfaces[v];
+/// Lit at a few nodes a pixel, alike everywhere.
+FrameReport light_low(const SceneFrame& scene, const Config& config, TileScheduler& scheduler,
+                      LowViews& low) {
+  FrameReport report;
+  for (std::size_t v = 0; v < low.surfaces.size(); ++v) {
+    const ViewSurfaces& view = low.surfaces[v];
+    Plane<Rgb>& radiance = low.out.views[v].radiance;
     const Plane<std::uint16_t> nodes(view.width, view.height,
                                      static_cast<std::uint16_t>(config.low_nodes));
     std::vector<CutWork> works(view.tiles.size());
@@ -46,7 +45,7 @@ FrameReport render_low(const FrameRequest& request, const SceneFrame& scene, con
       add_surroundings(scene, config.ray, tile.points, works[k].lighting, light);
       for (std::size_t i = 0; i < light.size(); ++i) {
         const image::Pixel at = tile.pixel(i);
-        out.views[v].radiance(at.x, at.y) += light[i];
+        radiance(at.x, at.y) += light[i];
       }
     };
     const auto outcome = scheduling::run_shared(
@@ -54,7 +53,7 @@ FrameReport render_low(const FrameRequest& request, const SceneFrame& scene, con
         light_tile,
         [&](std::size_t k, Parcel& parcel) {
           parcel.value(works[k]);
-          parcel.rect(out.views[v].radiance, view.tiles[k].rect);
+          parcel.rect(radiance, view.tiles[k].rect);
         });
     for (const CutWork& work : works) report.shadow_rays += work.lighting.shadow_rays;
     report.stopped |= outcome == scheduling::Outcome::Stopped;
@@ -62,18 +61,14 @@ FrameReport render_low(const FrameRequest& request, const SceneFrame& scene, con
   return report;
 }
 
-std::vector<Plane<float>> low_luminance(const FrameRequest& request, const SceneFrame& scene,
-                                        const Config& config, TileScheduler& scheduler,
+std::vector<Plane<float>> low_luminance(const SceneFrame& scene, const Config& config,
+                                        TileScheduler& scheduler, LowViews& low,
                                         FrameReport& report) {
-  std::vector<Plane<float>> luminance(request.views.size());
+  std::vector<Plane<float>> luminance(low.views.size());
   if (config.low_nodes <= 0) return luminance;
-  const std::vector<View> views = ray::thinned(request.views, config.low_resolution);
-  const FrameRequest low{views, request.foveation, request.frame,
-                         math::hash_combine(request.seed, kPictureSeed)};
-  FrameBuffers made;
-  report += render_low(low, scene, config, scheduler, made);
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    luminance[v] = shown_luminance(made.views[v].radiance, views[v].tone);
+  report += light_low(scene, config, scheduler, low);
+  for (std::size_t v = 0; v < low.views.size(); ++v) {
+    luminance[v] = shown_luminance(low.out.views[v].radiance, low.views[v].tone);
   }
   return luminance;
 }
@@ -144,11 +139,23 @@ class MapRows {
 
 }  // namespace
 
+LowViews trace_low_views(const FrameRequest& request, const SceneFrame& scene, const Config& config,
+                         TileScheduler& scheduler) {
+  LowViews low;
+  low.views = ray::thinned(request.views, config.low_resolution);
+  const FrameRequest thin{low.views, request.foveation, request.frame,
+                          math::hash_combine(request.seed, kPictureSeed)};
+  prepare_buffers(low.views, low.out);
+  low.report = trace_surfaces(thin, scene, config.ray, scheduler, low.surfaces, low.out);
+  return low;
+}
+
 LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, const Config& config,
                       const FrameBuffers& surfaces, std::span<const Plane<float>> speeds,
-                      TileScheduler& scheduler) {
+                      LowViews& low, TileScheduler& scheduler) {
   LightPlan plan;
-  const auto luminance = low_luminance(request, scene, config, scheduler, plan.report);
+  auto luminance = low_luminance(scene, config, scheduler, low, plan.report);
+  luminance.resize(request.views.size());
   if (plan.report.stopped) return plan;
   const auto begin = std::chrono::steady_clock::now();
   foveation::RateModel model;
@@ -174,9 +181,14 @@ LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, cons
   out.wanted = kNormal | kAlbedo;
   prepare_buffers(request.views, out);
   std::vector<ViewSurfaces> surfaces;
-  const FrameReport traced = trace_surfaces(request, scene, config.ray, scheduler, surfaces, out);
-  LightPlan plan =
-      traced.stopped ? LightPlan{} : plan_lights(request, scene, config, out, {}, scheduler);
+  FrameReport traced = trace_surfaces(request, scene, config.ray, scheduler, surfaces, out);
+  LightPlan plan;
+  if (!traced.stopped) {
+    LowViews low;
+    if (config.low_nodes > 0) low = trace_low_views(request, scene, config, scheduler);
+    traced += low.report;
+    if (!traced.stopped) plan = plan_lights(request, scene, config, out, {}, low, scheduler);
+  }
   plan.report += traced;
   return plan;
 }

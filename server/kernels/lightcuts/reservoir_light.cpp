@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "server/kernels/lightcuts/node_choices.h"
+#include "shared/foveation/eccentricity.h"
 
 namespace macula::kernels::lightcuts {
 namespace {
@@ -41,14 +42,14 @@ struct Recalled {
 class TileReservoirs {
  public:
   TileReservoirs(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
-                 const ReservoirConfig& config, const KeptView* last,
-                 const Plane<float>& eccentricity, CutWork& work)
+                 const ReservoirConfig& config, const KeptView* last, const View& view,
+                 CutWork& work)
       : scene_(scene),
         tile_(tile),
         plan_(plan),
         config_(config),
         last_(last),
-        eccentricity_(eccentricity),
+        view_(view),
         work_(work),
         questions_(scene),
         rays_(scene, work.lighting) {}
@@ -182,7 +183,9 @@ class TileReservoirs {
     const int x = static_cast<int>(cell->x), y = static_cast<int>(cell->y);
     if (recall_from(point, x, y) >= kEnough) return;
     const image::Pixel pixel = tile_.pixel(point);
-    const float e = eccentricity_(pixel.x, pixel.y);
+    // By cell and where it is needed: over all cells it would cost every rank as much as one alone.
+    const auto e = static_cast<float>(
+        foveation::eccentricity(view_.gaze.direction, view_.grid.ray(pixel.x, pixel.y)).value());
     constexpr float kFovea = 5.0F * std::numbers::pi_v<float> / 180.0F;
     if (e < kFovea) return;
     // Acuity falls about in proportion to 1 / (1 + e / 2.3 degrees): so far light may be blurred.
@@ -376,7 +379,7 @@ class TileReservoirs {
   const CutPlan& plan_;
   const ReservoirConfig& config_;
   const KeptView* last_;
-  const Plane<float>& eccentricity_;
+  const View& view_;
   CutWork& work_;
   LightQuestions questions_;
   ShadowRays rays_;
@@ -392,11 +395,10 @@ class TileReservoirs {
 }  // namespace
 
 void add_reservoir_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
-                         const ReservoirConfig& config, const KeptView* last,
-                         const Plane<float>& eccentricity, CutWork& work,
-                         Plane<Reservoir>& reservoirs, std::span<Rgb> slots) {
+                         const ReservoirConfig& config, const KeptView* last, const View& view,
+                         CutWork& work, Plane<Reservoir>& reservoirs, std::span<Rgb> slots) {
   if (scene.placed_lights().size() == 0) return;
-  TileReservoirs(scene, tile, plan, config, last, eccentricity, work).run(reservoirs, slots);
+  TileReservoirs(scene, tile, plan, config, last, view, work).run(reservoirs, slots);
 }
 
 }  // namespace macula::kernels::lightcuts

@@ -11,11 +11,9 @@
 namespace macula::kernels::lightcuts {
 
 /// Adds to slots as add_cut_light, and writes the tile's reservoirs. `last`: none in a first frame.
-/// `eccentricity`: of every cell, radians; beyond five degrees a second neighbour is asked where
-/// memory is short.
+/// Beyond five degrees from `view`'s gaze a second neighbour is asked where memory is short.
 void add_reservoir_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
-                         const ReservoirConfig& config, const KeptView* last,
-                         const Plane<float>& eccentricity, CutWork& work,
-                         Plane<Reservoir>& reservoirs, std::span<Rgb> slots);
+                         const ReservoirConfig& config, const KeptView* last, const View& view,
+                         CutWork& work, Plane<Reservoir>& reservoirs, std::span<Rgb> slots);
 
 }  // namespace macula::kernels::lightcuts

@@ -253,6 +253,15 @@ void carry(SurfaceTile& tile, Parcel& parcel) {
   parcel.values(std::span<std::uint16_t>(tile.point_of));
 }
 
+void give_keys(const PixelGrid& grid, std::uint64_t seed, std::uint64_t frame, ViewSurfaces& view) {
+  for (SurfaceTile& tile : view.tiles) {
+    for (std::size_t i = 0; i < tile.points.count; ++i) {
+      const image::Pixel at = tile.pixel(i);
+      tile.points.keys[i] = {seed, frame, grid.cell_key(at.x, at.y)};
+    }
+  }
+}
+
 FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,
                            const ray::Config& config, TileScheduler& scheduler,
                            std::vector<ViewSurfaces>& surfaces, FrameBuffers& out) {

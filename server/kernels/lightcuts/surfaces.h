@@ -82,6 +82,9 @@ scheduling::Outcome for_each_point(const ViewSurfaces& view, const scheduling::R
   });
 }
 
+/// What is drawn at the view's points from now on has these random numbers.
+void give_keys(const PixelGrid& grid, std::uint64_t seed, std::uint64_t frame, ViewSurfaces& view);
+
 /// Traces the centre (or, jittered, one random point) of every cell. Writes to prepared buffers:
 /// radiance is what shines at the eye by itself; the guides that are wanted. Keeps memory.
 FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,

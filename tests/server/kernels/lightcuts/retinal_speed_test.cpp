@@ -94,7 +94,8 @@ TEST(RetinalSpeed, EdgesOfSpeedGetMoreSamplesAndEvenSpeedNone) {
   prepare_buffers(request.views, surfaces);  // flat: neither normals nor albedo
   std::vector<Plane<float>> speeds(1, Plane<float>(kSide, kSide, 90.0F));
   const auto nodes = [&](std::span<const Plane<float>> given) {
-    return plan_lights(request, *shot.scene, config, surfaces, given, shot.scheduler)
+    LowViews none;
+    return plan_lights(request, *shot.scene, config, surfaces, given, none, shot.scheduler)
         .cut_nodes.front();
   };
   const auto resting = nodes({}), even = nodes(speeds);
