@@ -151,7 +151,8 @@ void MemoryJoin::join(int x, int y, const Cell& old) {
   LightPlanes& mean = now_.mean;
   const float fresh = mean.luminance.row(y)[x];
   const float own = now_.fresh.row(y)[x];
-  const float samples = std::min(old.samples + own, config_.most_frames * own);
+  const float most = std::min(config_.most_frames * own, std::max(config_.most_samples, own));
+  const float samples = std::min(old.samples + own, most);
   const float share = own / samples;
   float& r = mean.r.row(y)[x];
   float& g = mean.g.row(y)[x];

@@ -36,7 +36,10 @@ struct LightMemory {
 };
 
 struct MemoryConfig {
-  float most_frames = 24.0F;   ///< like this one, that the mean counts for at most, >= 1
+  float most_frames = 24.0F;  ///< like this one, that the mean counts for at most, >= 1
+  /// Samples that the mean counts for at most where a frame has fewer, >= 1: what is looked up anew
+  /// in every frame is blurred by each, which costs more than chance where samples are many.
+  float most_samples = 32.0F;
   float recent_frames = 4.0F;  ///< of the fast history, >= 1
   /// Standard deviations of the fast history around a cell that the mean may be off its mean.
   float deviations = 2.0F;

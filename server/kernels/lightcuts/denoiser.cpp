@@ -23,8 +23,13 @@ constexpr float kShortMemory = 4.0F;
 constexpr float kEnoughSamples = 8.0F;
 constexpr reconstruction::MemoryConfig kMemory;
 
-/// The last pass spans 2^passes cells to either side.
-float passes(float eccentricity, float frames) {
+/// Within so many degrees of the gaze more than one pass over the mean of many samples takes more
+/// from thin things and shadows' edges than it takes from noise.
+constexpr float kSharp_deg = 25.0F;
+
+/// The last pass spans 2^passes cells to either side. `samples`: of this frame.
+float passes(float eccentricity, float frames, float samples) {
+  if (eccentricity <= kSharp_deg * kPerDegree && samples >= kEnoughSamples) return 1.0F;
   const int count = 3 + (eccentricity > 10.0F * kPerDegree) + (frames < kShortMemory);
   return static_cast<float>(count);
 }
@@ -128,7 +133,8 @@ class Denoiser {
     bands_.run(bands_.own(), [&](int y) {
       for (int x = 0; x < light_.width(); ++x) {
         if (!(memory_.fresh.row(y)[x] > 0.0F)) continue;
-        reach_.row(y)[x] = passes(job_.eccentricity(x, y), memory_.frames(x, y));
+        reach_.row(y)[x] =
+            passes(job_.eccentricity(x, y), memory_.frames(x, y), memory_.fresh.row(y)[x]);
       }
     });
     const LightPlanes* from = &memory_.mean;

@@ -36,8 +36,12 @@ ViewSurfaces corner() {
 float noise(int x, int y) {
   return math::unit_float(math::hash_combine(3, static_cast<std::uint64_t>(y * kSide + x)));
 }
-Plane<Rgb> smoothed(Plane<Rgb> light) {
-  const Plane<float> eccentricity(light.width(), light.height(), 0.5F);
+struct Seen {
+  std::uint16_t samples = 1;  ///< a cell
+  float eccentricity = 0.5F;  ///< radians
+};
+Plane<Rgb> smoothed(Plane<Rgb> light, const Seen& seen = {}) {
+  const Plane<float> eccentricity(light.width(), light.height(), seen.eccentricity);
   TileScheduler scheduler(1);
   View view;
   for (int i = 0; i <= kSide; ++i) {
@@ -45,7 +49,7 @@ Plane<Rgb> smoothed(Plane<Rgb> light) {
   }
   view.grid.y_edges = view.grid.x_edges;
   LightMemory memory;
-  const Plane<std::uint16_t> samples(light.width(), light.height(), 1);
+  const Plane<std::uint16_t> samples(light.width(), light.height(), seen.samples);
   denoise({view, corner(), eccentricity, samples}, scheduler, light, memory);
   return light;
 }
@@ -80,6 +84,27 @@ TEST(Denoiser, EvenLightStaysAndALoneSpikeGoes) {
       EXPECT_LT(after(x, y).x, 0.8F);
     }
   }
+}
+
+TEST(Denoiser, SmoothsWhatManySamplesFoundNearTheGazeLessThanTheRest) {
+  Plane<Rgb> light(kSide, kSide);
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) light(x, y) = Rgb{0.5F + noise(x, y)};
+  }
+  const auto left = [&](const Seen& seen) {
+    const Plane<Rgb> after = smoothed(light, seen);
+    double square = 0.0;
+    for (int y = 0; y + 1 < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x)
+        square += std::pow(static_cast<double>(after(x, y).x) - 1.0, 2) / (kSide * (kSide - 1));
+    }
+    return square;
+  };
+  constexpr float kNear = 0.2F, kFar = 0.5F;
+  const double many_near = left({16, kNear});
+  EXPECT_LT(many_near, 1.0 / 12.0 / 2.0) << "one pass";
+  EXPECT_GT(many_near, 1.5 * left({1, kNear}));
+  EXPECT_GT(many_near, 1.5 * left({16, kFar}));
 }
 
 }  // namespace
