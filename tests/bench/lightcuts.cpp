@@ -327,7 +327,7 @@ LightcutsOptions quickened(LightcutsOptions options) {
   if (!options.quick) return options;
   if (options.reference_nodes == LightcutsOptions{}.reference_nodes) options.reference_nodes = 96;
   options.reference_passes = 1;
-  options.frames = 1;
+  options.frames = options.stereo ? 4 : 1;  // noise of pairs is told by frames
   options.warm_up = std::min(options.warm_up, LightcutsSetting::kSwing);
   options.gazes_deg = {0};
   return options;

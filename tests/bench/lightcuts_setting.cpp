@@ -202,18 +202,18 @@ void LightcutsJudge::look(const LightcutsSetting& setting) {
 
 template <class Value>
 Regional LightcutsJudge::regional(const Value& value_at) const {
-  double sum[2] = {0.0, 0.0};
-  std::size_t count[2] = {0, 0};
-  for (std::size_t i = 0; i < eccentricity_.size(); ++i) {
-    const bool inside = image::contains(image::Region::F25,
-                                        Radians{static_cast<double>(eccentricity_.pixels()[i])});
-    sum[inside] += value_at(i);
-    ++count[inside];
-  }
-  const auto mean = [&](int k) {
-    return count[k] > 0 ? sum[k] / static_cast<double>(count[k]) : 0;
+  const auto mean = [&](image::Region region) {
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < eccentricity_.size(); ++i) {
+      if (!image::contains(region, Radians{static_cast<double>(eccentricity_.pixels()[i])}))
+        continue;
+      sum += value_at(i), ++count;
+    }
+    return count > 0 ? sum / static_cast<double>(count) : 0.0;
   };
-  return {mean(1), mean(0)};
+  using image::Region;
+  return {mean(Region::F25), mean(Region::Out25), mean(Region::F10)};
 }
 
 LightcutsErrors LightcutsJudge::errors(const Plane<Rgb>& radiance) const {

@@ -58,9 +58,9 @@ kernels::lightcuts::LightPlan plan_of(const LightcutsSetting& setting,
                                       const kernels::lightcuts::Config& config,
                                       scheduling::TileScheduler& scheduler);
 
-/// Means over the pixels within 25 degrees of the gaze and outside.
+/// Means over the pixels within 25 degrees of the gaze, outside, and within 10.
 struct Regional {
-  double f25 = 0.0, out25 = 0.0;
+  double f25 = 0.0, out25 = 0.0, f10 = 0.0;
 };
 struct LightcutsErrors {
   Regional mse, relmse;  ///< display-linear; over squared reference + 0.01, in radiance

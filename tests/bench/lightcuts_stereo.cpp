@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <vector>
 
 #include "shared/image/png.h"
 #include "tests/bench/lightcuts_setting.h"
@@ -71,7 +72,8 @@ Pair pair_of(const LightcutsSetting& head, const Config& config, std::uint64_t s
 /// Means over the judged frames.
 struct Measured {
   double cpu_ms = 0.0, reproject_ms = 0.0, lit = 0.0;
-  Regional left, right;  ///< mean squared errors, display-linear
+  Regional left, right;              ///< mean squared errors, display-linear
+  std::vector<Regional> right_each;  ///< a frame each
 
   void add(const Pair& pair, const LightcutsErrors& left_eye, const LightcutsErrors& right_eye,
            double share) {
@@ -80,6 +82,16 @@ struct Measured {
            static_cast<double>(pair.right.size());
     left.f25 += share * left_eye.mse.f25, left.out25 += share * left_eye.mse.out25;
     right.f25 += share * right_eye.mse.f25, right.out25 += share * right_eye.mse.out25;
+    right.f10 += share * right_eye.mse.f10;
+    right_each.push_back(right_eye.mse);
+  }
+  /// Standard error of the right eye's RMSE in a region, over the frames; NaN of one frame. Frames
+  /// that share a memory differ less than others.
+  double noise(double Regional::*region) const {
+    const auto n = static_cast<double>(right_each.size());
+    double square = 0.0;
+    for (const Regional& each : right_each) square += std::pow(each.*region - right.*region, 2);
+    return std::sqrt(square / (n - 1.0) / n) / (2.0 * std::sqrt(right.*region));
   }
 };
 
@@ -111,7 +123,10 @@ class Scene {
                       {"lit_share", stereo == StereoReuse::Yes ? measured->lit : 1.0},
                       {"rmse_left_f25", std::sqrt(measured->left.f25)},
                       {"rmse_left_out25", std::sqrt(measured->left.out25)},
+                      {"rmse_right_f10", std::sqrt(measured->right.f10)},
+                      {"noise_f10", measured->noise(&Regional::f10)},
                       {"rmse_right_f25", std::sqrt(measured->right.f25)},
+                      {"noise_f25", measured->noise(&Regional::f25)},
                       {"rmse_right_out25", std::sqrt(measured->right.out25)}});
     }
     return {};
