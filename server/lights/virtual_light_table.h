@@ -18,7 +18,8 @@ class VirtualLightTable {
  public:
   /// None.
   VirtualLightTable() = default;
-  /// `classes` >= 1; `least_m` >= 0: nearer, light arrives as from there.
+  /// `classes` >= 1; `least_m` >= 0: nearer than that and than its footprint's radius, light
+  /// arrives as from there.
   VirtualLightTable(std::span<const VirtualPointLight> lights, int classes, float least_m);
 
   bool empty() const { return count_ == 0; }
@@ -47,9 +48,11 @@ class VirtualLightTable {
 
   // ---- for vectors ----
   static constexpr std::size_t kRowFloats = 16;
-  /// Position, normal, flux over pi, span; by row.
+  /// Position, normal, flux over pi, span, least distance squared; by row.
   std::span<const float> rows() const { return rows_; }
-  /// The same one kind after another, luminance for flux: x of all rows, y, z, normal, luminance.
+  static constexpr std::size_t kColumns = 8;
+  /// The same one kind after another: x of all rows, y, z, normal, luminance for flux, least
+  /// distance squared.
   std::span<const float> columns() const { return columns_; }
   float least_m() const { return least_m_; }
 

@@ -19,7 +19,6 @@ HWY_ATTR void virtual_vectors(const VirtualLightTable& table, const LightDraws& 
   const Floats d;
   const Ints di;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
-  const auto least2 = hn::Set(d, table.least_m() * table.least_m());
   const float* rows = table.rows().data();
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto inverse_probability = hn::Load(d, draws.inverse_probability.at + i);
@@ -34,6 +33,7 @@ HWY_ATTR void virtual_vectors(const VirtualLightTable& table, const LightDraws& 
     const auto distance = hn::Sqrt(distance2);
     const auto inverse = hn::Div(one, distance);
     const auto height = hn::Neg(dot(normal, towards));
+    const auto least2 = hn::GatherIndex(d, rows + 10, row);
     const auto share =
         hn::Div(hn::Mul(hn::Mul(height, inverse), inverse_probability), hn::Max(distance2, least2));
     const auto arrives = hn::And(drawn, hn::Gt(height, zero));
@@ -50,9 +50,8 @@ HWY_ATTR void weigh_vectors(const VirtualLightTable& table, std::size_t first, c
                             const Vec3& normal, std::span<float> weights) {
   const Floats d;
   const auto zero = hn::Zero(d);
-  const auto least2 = hn::Set(d, table.least_m() * table.least_m());
   const Vec3s here = broadcast(point), up = broadcast(normal);
-  const std::size_t stride = table.columns().size() / 7;
+  const std::size_t stride = table.columns().size() / VirtualLightTable::kColumns;
   const float* column = table.columns().data() + first;
   for (std::size_t i = 0; i < weights.size(); i += hn::Lanes(d)) {
     const auto read = [&](std::size_t c) HWY_ATTR { return hn::LoadU(d, column + c * stride + i); };
@@ -62,7 +61,7 @@ HWY_ATTR void weigh_vectors(const VirtualLightTable& table, std::size_t first, c
     const auto cosines = hn::Mul(hn::Max(hn::Neg(dot(light_normal, towards)), zero),
                                  hn::Max(dot(up, towards), zero));
     const auto weight =
-        hn::Div(hn::Mul(cosines, read(6)), hn::Mul(distance2, hn::Max(distance2, least2)));
+        hn::Div(hn::Mul(cosines, read(6)), hn::Mul(distance2, hn::Max(distance2, read(7))));
     hn::StoreU(hn::IfThenElseZero(hn::Gt(cosines, zero), weight), d, weights.data() + i);
   }
 }

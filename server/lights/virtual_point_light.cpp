@@ -13,7 +13,8 @@ std::optional<Arrival> arriving(const VirtualPointLight& light, const DVec3& poi
   const double distance = std::sqrt(distance2);
   const double height = -glm::dot(to_light, DVec3(light.normal));
   if (!(height > 0.0)) return std::nullopt;
-  const double counted2 = std::max(distance2, least_m * least_m);
+  const double least = std::min(least_m, static_cast<double>(light.footprint_m));
+  const double counted2 = std::max(distance2, least * least);
   const double share = height / (std::numbers::pi * counted2 * distance);
   return Arrival{Vec3(to_light / distance), static_cast<float>(distance),
                  light.flux * static_cast<float>(share)};

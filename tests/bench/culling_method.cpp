@@ -15,7 +15,7 @@ using kernels::culling::Hiding;
 using kernels::culling::KeptBy;
 using kernels::culling::Space;
 
-/// As the paper has it, but for weights and shadow rays.
+/// As the paper has it, but for weights, shadow rays and where and how contributions are told.
 void set_paper(Config& c) {
   c.hiding = Hiding::LampMaps;
   c.space = Space::LogPolar;
@@ -48,7 +48,8 @@ constexpr std::array kMethods{
                     c.weights = kernels::culling::CullWeights::None;
                     c.shadows = kernels::ray::VirtualShadows::None;
                     c.points = kernels::culling::PointDraw::PrintedChain;
-                    c.by_flux = 0.0F;
+                    c.by_flux = 0.0F, c.points_in_fovea = 0.0F, c.rings = 4.0;
+                    c.mean = kernels::culling::PointMean::Plain;
                     c.importance.brightness_floor = 0.0F;
                   }},
     CullingMethod{"flc_rays", "contributions by rays, light asked in every pixel", [](Config&) {}},
@@ -66,7 +67,7 @@ constexpr std::array kMethods{
                   [](Config& c) {
                     set_paper(c);
                     c.source = kernels::culling::LightSource::Camera;
-                    c.importance.silhouette = 0.0F;
+                    c.importance.silhouette = 0.0F, c.points_in_fovea = 0.0F;
                   }},
     CullingMethod{"power", "flc, kept by flux",
                   [](Config& c) {

@@ -65,7 +65,10 @@ class CameraBatch {
     if (glm::dot(light.normal, rays_.direction(i)) > 0.0F) light.normal = -light.normal;
     light.span_m = surface.span_m;
     const float density = rays_per_m2(light);
-    if (density > 0.0F) light.flux = kPi * radiance / (density * static_cast<float>(count_));
+    if (!(density > 0.0F)) return light;
+    const float lights_per_m2 = density * static_cast<float>(count_);
+    light.flux = kPi * radiance / lights_per_m2;
+    light.footprint_m = 1.0F / std::sqrt(kPi * lights_per_m2);
     return light;
   }
 

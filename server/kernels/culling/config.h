@@ -25,6 +25,12 @@ enum class KeptBy { Contribution, Flux };
 /// BLSO), or not at all.
 enum class Hiding { Rays, LampMaps, Nothing };
 
+/// What a light's contribution is of what it brings to shading points. OfSquares: the root of the
+/// mean square, which draws with the least variance: sum of f^2 / p over lights and points is least
+/// for p in proportion to it. Plain: the mean, the paper's; where a light shines on few of the
+/// points it is drawn too seldom for what it does there.
+enum class PointMean { OfSquares, Plain };
+
 /// Lamps: traced from them, as reflective shadow maps. Camera: where rays that bounce off the
 /// places the eye looks at end; `kept` of them, none is culled (camera_lights.h; a rival, not
 /// unbiased).
@@ -54,7 +60,10 @@ struct Config {
   bool indirect = true;
   int map_side = 64;        ///< side^2 rays a lamp make its virtual lights; >= 1
   int most_made = 1 << 16;  ///< of all lamps that are points, spots and suns; at least one each
-  int kept = 1024;          ///< K >= 1; no fewer lights than that: all are kept, nothing is chance
+  /// Mode Fast, where some are culled: how far lamps' rays move from frame to frame, of the
+  /// distance between them, so that what is averaged over frames has more lights than one; >= 0.
+  float wander = 1.0F;
+  int kept = 1024;  ///< K >= 1; no fewer lights than that: all are kept, nothing is chance
   LightSource source = LightSource::Lamps;
   Route route = Route::Culling;
   KeptBy kept_by = KeptBy::Contribution;
@@ -62,17 +71,24 @@ struct Config {
   int shading_points = 128;  ///< N_s >= 1, over all views
   PointDraw points = PointDraw::Systematic;
   int chain_length = 16;  ///< PointDraw::PrintedChain
+  /// Share of the points that lie where acuity is full, [0, 1], if importance alone brings fewer
+  /// there: a fovea is a small part of a wide view, and often not its brightest.
+  float points_in_fovea = 0.5F;
+  PointMean mean = PointMean::OfSquares;
   Hiding hiding = Hiding::Rays;
   int visibility_rays = 4;         ///< from every virtual light to shading points, each frame; >= 0
   float openness_of_point = 0.5F;  ///< lambda: share of the point's end in BLSO
   /// Share of lights kept by flux alone: one whose contribution came out as nothing may still
-  /// shine.
-  float by_flux = 0.1F;
+  /// shine, and then it counts for at most 1 / by_flux times what it would without regard.
+  float by_flux = 0.3F;
   ImportanceConfig importance;
   int guide_step = 4;  ///< importance is told for every n x n-th cell; >= 1
   Space space = Space::Thinned;
   int texel_step = 2;   ///< >= 1
   double shrink = 1.8;  ///< sigma, >= 1
+  /// Rings of the log-polar picture at K(x) = x^rings, > 0. 1: texels as wide as they are long
+  /// everywhere; 4, printed, has them within 20 cells of the gaze, closer than cells are.
+  double rings = 1.0;
   ray::VirtualShadows shadows = ray::VirtualShadows::Traced;
   /// Cells ask a class of the kept lights each; a square number >= 1.
   int classes = 4;

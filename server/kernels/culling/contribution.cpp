@@ -24,6 +24,7 @@ class LightBatch {
       : scene_(scene),
         points_(points),
         rays_a_light_(rays_of(config, points.size())),
+        squares_(config.mean == PointMean::OfSquares),
         openness_of_point_(config.openness_of_point),
         maps_(maps),
         around_points_(around_points),
@@ -48,7 +49,7 @@ class LightBatch {
     if (rays_a_light_ == 0) return 0;
     scene_.occluded(rays_, hidden_, visibility::Coherence::Incoherent);
     for (std::size_t i = 0; i < lights.size(); ++i)
-      visible[i] = share_that_arrives(i * static_cast<std::size_t>(rays_a_light_));
+      visible[i] = share_that_arrives(i * static_cast<std::size_t>(rays_a_light_), unhidden[i]);
     return static_cast<std::uint64_t>(rays_.count);
   }
 
@@ -59,14 +60,18 @@ class LightBatch {
     const float cosine = std::max(glm::dot(point.normal, arrival->to_light), 0.0F);
     return cosine * point.albedo * image::luminance(arrival->irradiance);
   }
+  float counted(const VirtualPointLight& light, const ShadingPoint& point) const {
+    const float brings = arriving(light, point);
+    return squares_ ? brings * brings : brings;
+  }
   float mean_over_points(const VirtualPointLight& light) const {
     float sum = 0.0F;
     if (maps_ == nullptr) {
-      for (const ShadingPoint& point : points_) sum += arriving(light, point);
+      for (const ShadingPoint& point : points_) sum += counted(light, point);
     } else {
       const Openness around = maps_->around(Vec3(light.position), light.normal);
       for (std::size_t i = 0; i < points_.size(); ++i)
-        sum += openness(around, light, i) * arriving(light, points_[i]);
+        sum += openness(around, light, i) * counted(light, points_[i]);
     }
     return sum / static_cast<float>(points_.size());
   }
@@ -87,12 +92,14 @@ class LightBatch {
         visibility::offset_ray_origin(point.position, point.normal, point.distance_m);
     const Vec3 end =
         visibility::offset_ray_origin(Vec3(light.position), light.normal, 0.0F, light.span_m);
-    const float brings = arriving(light, point);
+    const float brings = counted(light, point);
     brings_[static_cast<std::size_t>(rays_.count)] = brings;
     rays_.push(origin, end - origin, 0.0F, brings > 0.0F ? 1.0F : -1.0F);
   }
-  float share_that_arrives(std::size_t first) const {
-    float all = 0.0F, arrives = 0.0F;
+  /// As if one more ray had found an average point open: few rays that all end early do not mean
+  /// that nothing arrives anywhere.
+  float share_that_arrives(std::size_t first, float mean) const {
+    float all = mean, arrives = mean;
     for (std::size_t k = first; k < first + static_cast<std::size_t>(rays_a_light_); ++k) {
       all += brings_[k];
       arrives += hidden_.occluded[k] != 0 ? 0.0F : brings_[k];
@@ -103,6 +110,7 @@ class LightBatch {
   const SceneFrame& scene_;
   std::span<const ShadingPoint> points_;
   int rays_a_light_;
+  bool squares_;
   float openness_of_point_;
   const LampMaps* maps_;  ///< none: everything is open
   std::span<const Openness> around_points_;

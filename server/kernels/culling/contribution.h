@@ -21,8 +21,10 @@ struct ShadingPoint {
 };
 
 struct Contributions {
-  std::vector<float> unhidden;  ///< by light, >= 0: means over the points of what would arrive
-  /// By light, in [0, 1]: the share of it that traced points receive; 1 without rays.
+  /// By light, >= 0: the mean over the points of what would arrive, or of its square.
+  std::vector<float> unhidden;
+  /// By light, in [0, 1]: the share of it that traced points receive and one more, unhidden; 1
+  /// without rays.
   std::vector<float> visible;
   std::uint64_t rays = 0;
   bool stopped = false;

@@ -56,8 +56,9 @@ void replace_light(ViewBuffers& view, const Plane<Rgb>& light) {
 }
 
 TexelMap texels_of(const View& view, const Config& config) {
-  return config.space == Space::LogPolar ? TexelMap::log_polar(view.grid, view.gaze, config.shrink)
-                                         : TexelMap::thinned(view.grid, config.texel_step);
+  return config.space == Space::LogPolar
+             ? TexelMap::log_polar(view.grid, view.gaze, config.shrink, config.rings)
+             : TexelMap::thinned(view.grid, config.texel_step);
 }
 
 bool lights_in_cells(const Config& config) {

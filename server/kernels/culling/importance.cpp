@@ -53,6 +53,18 @@ class Silhouettes {
 
 }  // namespace
 
+void focus(const Plane<float>& acuity, float share, Plane<float>& weights) {
+  MACULA_CHECK(share < 1.0F && acuity.size() == weights.size());
+  double inside = 0.0, outside = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    (acuity.pixels()[i] < 1.0F ? outside : inside) += static_cast<double>(weights.pixels()[i]);
+  const double wanted = outside * static_cast<double>(share) / (1.0 - static_cast<double>(share));
+  if (!(inside > 0.0) || inside >= wanted) return;
+  const auto factor = static_cast<float>(wanted / inside);
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    if (!(acuity.pixels()[i] < 1.0F)) weights.pixels()[i] *= factor;
+}
+
 float color_distance(const Rgb& a, const Rgb& b) {
   const Rgb from = encoded(a), to = encoded(b), d = to - from;
   const float red = 0.5F * (from.x + to.x);

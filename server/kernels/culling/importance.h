@@ -23,6 +23,10 @@ struct ImportanceInputs {
 /// over planes, so slanted ones have no edges).
 Plane<float> make_importance(const ImportanceInputs& inputs, const ImportanceConfig& config);
 
+/// Raises weights where acuity is full until they have `share` of the sum, if they have less and
+/// any at all. share < 1.
+void focus(const Plane<float>& acuity, float share, Plane<float>& weights);
+
 /// 255 sqrt((2 + r) dr^2 + 4 dg^2 + (3 - r) db^2), r the mean red, of sRGB-encoded values
 /// ("redmean").
 float color_distance(const Rgb& a, const Rgb& b);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/kernels/culling/camera_lights.h"
 #include "server/kernels/culling/contribution.h"
@@ -18,7 +19,7 @@ namespace {
 using lights::VirtualPointLight;
 using sampling::SampleKey;
 
-constexpr std::uint64_t kCullKey = 0xC0117'0002ULL;
+constexpr std::uint64_t kCullKey = 0xC0117'0002ULL, kWanderKey = 0xC0117'0005ULL;
 
 /// Many lamps share what `most_made` allows.
 vpl::Config lamps_of(const SceneFrame& scene, const Config& config, std::uint64_t seed) {
@@ -27,6 +28,18 @@ vpl::Config lamps_of(const SceneFrame& scene, const Config& config, std::uint64_
       std::sqrt(static_cast<double>(config.most_made) / static_cast<double>(lamps));
   const int side = std::clamp(static_cast<int>(share), 1, config.map_side);
   return {side, config.map_side, config.ray.materials, seed};
+}
+
+/// Elsewhere in every frame, but near the same places: what each light brings is remembered.
+vpl::Config wandering(const FrameRequest& request, const SceneFrame& scene, const Config& config) {
+  vpl::Config rays = lamps_of(scene, config, 0);
+  const auto lamps =
+      static_cast<double>(std::max<std::size_t>(scene.lights().punctual().size(), 1));
+  if (lamps * rays.side * rays.side <= config.kept) return rays;
+  const SampleKey key(request.seed, request.frame, kWanderKey);
+  const float step = config.wander / static_cast<float>(rays.side);
+  rays.shift = step * Vec2{sampling::sample(key, 0), sampling::sample(key, 1)};
+  return rays;
 }
 
 std::vector<VirtualPointLight> in_morton_order(std::vector<VirtualPointLight> lights) {
@@ -82,16 +95,20 @@ bool all_diffuse(const SceneFrame& scene, const Config& config) {
 }
 
 void set_least_distance(const SceneFrame& scene, const Config& config, KeptLights& all) {
-  if (config.ray.mode == Mode::Fast || all_diffuse(scene, config))
+  const bool exact = config.ray.mode == Mode::Exact;
+  if (!exact || all_diffuse(scene, config))
     all.least_m = static_cast<double>(config.nearest) * half_extent(all.lights);
+  if (!exact) return;
+  // What is brought back by a short ray has one length for all.
+  for (VirtualPointLight& light : all.lights)
+    light.footprint_m = std::numeric_limits<float>::infinity();
 }
 
 /// Every virtual light, as it was made.
-KeptLights made_lights(const SceneFrame& scene, const Config& config, std::uint64_t seed,
+KeptLights made_lights(const SceneFrame& scene, const Config& config, const vpl::Config& rays,
                        TileScheduler& scheduler) {
   StageClock clock;
-  vpl::VirtualLights made =
-      vpl::make_virtual_lights(scene, lamps_of(scene, config, seed), scheduler);
+  vpl::VirtualLights made = vpl::make_virtual_lights(scene, rays, scheduler);
   KeptLights all;
   all.made = made.lights.size();
   all.report.stopped = made.stopped;
@@ -102,7 +119,7 @@ KeptLights made_lights(const SceneFrame& scene, const Config& config, std::uint6
   return all;
 }
 
-/// What each light brings to the frame's shading points, hidden as rays or maps found.
+/// What each light brings to the last frames' shading points, hidden as rays or maps found.
 std::vector<float> what_each_brings(const FrameRequest& request, const SceneFrame& scene,
                                     const Config& config, CullingHistory& memory,
                                     TileScheduler& scheduler, KeptLights& all) {
@@ -121,6 +138,8 @@ std::vector<float> what_each_brings(const FrameRequest& request, const SceneFram
   std::vector<float> brought = std::move(found.unhidden);
   for (std::size_t i = 0; i < brought.size(); ++i) brought[i] *= found.visible[i];
   if (!exact) remember_brought(cells_of(request), brought, memory);
+  if (config.mean == PointMean::OfSquares)
+    for (float& value : brought) value = std::sqrt(value);
   return brought;
 }
 
@@ -178,7 +197,7 @@ KeptLights lights_from_camera(const FrameRequest& request, const SceneFrame& sce
 
 KeptLights all_lights(const SceneFrame& scene, const Config& config, std::uint64_t seed,
                       TileScheduler& scheduler) {
-  KeptLights all = made_lights(scene, config, seed, scheduler);
+  KeptLights all = made_lights(scene, config, lamps_of(scene, config, seed), scheduler);
   all.lights = in_morton_order(std::move(all.lights));
   return all;
 }
@@ -187,9 +206,12 @@ KeptLights keep_lights(const FrameRequest& request, const SceneFrame& scene, con
                        CullingHistory& memory, TileScheduler& scheduler) {
   const bool exact = config.ray.mode == Mode::Exact;
   const std::uint64_t seed = SampleKey(request.seed, request.frame, kCullKey).value;
-  KeptLights kept = config.source == LightSource::Camera
-                        ? lights_from_camera(request, scene, config, scheduler)
-                        : made_lights(scene, config, exact ? seed : 0, scheduler);
+  KeptLights kept =
+      config.source == LightSource::Camera
+          ? lights_from_camera(request, scene, config, scheduler)
+          : made_lights(scene, config,
+                        exact ? lamps_of(scene, config, seed) : wandering(request, scene, config),
+                        scheduler);
   if (kept.report.stopped) return kept;
   if (config.route == Route::Cuts) {
     plan_cuts(request, scene, config, memory, scheduler, kept);

@@ -15,7 +15,7 @@ struct CullingHistory final : HistoryRecord {
   std::vector<ViewMemory> views;
   std::vector<reconstruction::PictureMemory> pictures;  ///< by view; none: none is remembered
   scene::ScenePose objects;    ///< where they were; empty: nothing moves, or nothing was seen yet
-  std::vector<float> brought;  ///< by each light to shading points, mean over the last frames
+  std::vector<float> brought;  ///< by each light to shading points, or its square: mean over frames
   int brought_frames = 0;      ///< that it is the mean of
   std::size_t brought_cells = 0;   ///< of the last frame's views
   std::size_t made = 0, kept = 0;  ///< virtual lights of the last frame

@@ -53,6 +53,10 @@ constexpr std::array kKnobs{
     CullingKnob{
         "map", "1 to 1024",
         [](Config& c, std::string_view value) { return turn_number(c.map_side, value, 1, 1024); }},
+    CullingKnob{"wander", "0 to 64",
+                [](Config& c, std::string_view value) {
+                  return turn_number(c.wander, value, 0.0F, 64.0F);
+                }},
     CullingKnob{"by-flux", "0 to 1",
                 [](Config& c, std::string_view value) {
                   return turn_number(c.by_flux, value, 0.0F, 1.0F);

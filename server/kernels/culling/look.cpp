@@ -48,6 +48,29 @@ Plane<float> importance_of(const View& view, const ViewBuffers& surfaces,
                          config);
 }
 
+/// Acuity in [0, 1] and area in nominal pixels of every cell.
+struct Acuity {
+  Plane<float> rate, area;
+};
+Acuity acuity_in(const FoveationMap& map, std::size_t view, const PixelGrid& grid) {
+  Acuity acuity{Plane<float>(grid.width(), grid.height()),
+                Plane<float>(grid.width(), grid.height())};
+  for (int y = 0; y < grid.height(); ++y) {
+    const std::span<float> rate = acuity.rate.row(y), area = acuity.area.row(y);
+    map.rate_row(view, y, rate);
+    map.samples_wanted_row(view, y, area);
+    for (std::size_t x = 0; x < rate.size(); ++x) area[x] /= rate[x];
+  }
+  return acuity;
+}
+
+Plane<float> weights_of(const Plane<float>& importance, const Acuity& acuity, float in_fovea) {
+  Plane<float> weights = importance;
+  for (std::size_t i = 0; i < weights.size(); ++i) weights.pixels()[i] *= acuity.area.pixels()[i];
+  focus(acuity.rate, in_fovea, weights);
+  return weights;
+}
+
 ShadingPoint shading_point(const View& view, const ViewBuffers& surfaces,
                            const image::Pixel& cell) {
   const DVec3 direction =
@@ -67,11 +90,10 @@ class PointDrawing {
  public:
   PointDrawing(const Config& config, SampleKey key) : config_(config), key_(key) {}
 
-  void add(const View& view, const ViewBuffers& surfaces, const Plane<float>& importance,
-           int count) {
+  void add(const View& view, const ViewBuffers& surfaces, const Plane<float>& weights, int count) {
     const auto cells = config_.points == PointDraw::Systematic
-                           ? draw_systematically(importance, count, sampling::sample(key_, 0))
-                           : draw_by_chains(importance, count, config_.chain_length, key_);
+                           ? draw_systematically(weights, count, sampling::sample(key_, 0))
+                           : draw_by_chains(weights, count, config_.chain_length, key_);
     for (const image::Pixel& cell : cells) points_.push_back(shading_point(view, surfaces, cell));
   }
   const std::vector<ShadingPoint>& points() const { return points_; }
@@ -92,12 +114,14 @@ Look look(const FrameRequest& request, const SceneFrame& scene, const Config& co
   seen.surfaces =
       ray::trace_surfaces(guide, scene, config.ray, kNormal | kAlbedo, scheduler, seen.report);
   if (seen.report.stopped) return seen;
-  const auto acuity = ray::acuity_of(guide, config.importance.acuity);
+  const FoveationMap map = ray::acuity_map(guide, config.importance.acuity);
   const bool remembers = memory.views.size() == seen.views.size();
   for (std::size_t v = 0; v < seen.views.size(); ++v) {
     const ViewMemory* then = remembers ? &memory.views[v] : nullptr;
+    const Acuity acuity = acuity_in(map, v, seen.views[v].grid);
     seen.importance.push_back(
-        importance_of(seen.views[v], seen.surfaces.views[v], acuity[v], then, config.importance));
+        importance_of(seen.views[v], seen.surfaces.views[v], acuity.rate, then, config.importance));
+    seen.weights.push_back(weights_of(seen.importance.back(), acuity, config.points_in_fovea));
   }
   return seen;
 }
@@ -106,8 +130,8 @@ std::vector<ShadingPoint> draw_points(const Look& seen, const Config& config, in
                                       std::uint64_t seed, std::uint64_t frame) {
   PointDrawing drawing(config, {seed, frame, kPointsKey});
   const int each = std::max(count / static_cast<int>(seen.views.size()), 1);
-  for (std::size_t v = 0; v < seen.importance.size(); ++v)
-    drawing.add(seen.views[v], seen.surfaces.views[v], seen.importance[v], each);
+  for (std::size_t v = 0; v < seen.weights.size(); ++v)
+    drawing.add(seen.views[v], seen.surfaces.views[v], seen.weights[v], each);
   return drawing.points();
 }
 

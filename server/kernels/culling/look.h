@@ -12,7 +12,9 @@ namespace macula::kernels::culling {
 struct Look {
   std::vector<View> views;  ///< of every guide_step-th cell
   FrameBuffers surfaces;
-  std::vector<Plane<float>> importance;  ///< by view
+  std::vector<Plane<float>> importance;  ///< by view, [0, 1]
+  /// By view: how likely a cell is drawn, by its importance and its area.
+  std::vector<Plane<float>> weights;
   FrameReport report;
 };
 

@@ -11,8 +11,6 @@ namespace macula::kernels::culling {
 namespace {
 
 constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
-/// K(x) = x^kPower spreads rings.
-constexpr float kPower = 4.0F;
 
 /// Cell coordinates of the gaze; that of the nearest place in the grid where it looks beyond.
 Vec2 gaze_in_cells(const PixelGrid& grid, const Gaze& gaze) {
@@ -43,10 +41,11 @@ TexelMap TexelMap::thinned(const PixelGrid& grid, int n) {
   return map;
 }
 
-TexelMap TexelMap::log_polar(const PixelGrid& grid, const Gaze& gaze, double shrink) {
-  MACULA_CHECK(shrink >= 1.0);
+TexelMap TexelMap::log_polar(const PixelGrid& grid, const Gaze& gaze, double shrink, double power) {
+  MACULA_CHECK(shrink >= 1.0 && power > 0.0);
   TexelMap map;
   map.log_polar_ = true;
+  map.power_ = static_cast<float>(power);
   map.gaze_ = gaze_in_cells(grid, gaze);
   const float right = static_cast<float>(grid.width()), bottom = static_cast<float>(grid.height());
   const float wide = std::max(map.gaze_.x, right - map.gaze_.x);
@@ -60,7 +59,7 @@ TexelMap TexelMap::log_polar(const PixelGrid& grid, const Gaze& gaze, double shr
     const float angle = kTurn * (static_cast<float>(v) + 0.5F) / static_cast<float>(map.height());
     for (int u = 0; u < map.width(); ++u) {
       const float x = (static_cast<float>(u) + 0.5F) / static_cast<float>(map.width());
-      const float r = std::exp(map.log_largest_ * std::pow(x, kPower));
+      const float r = std::exp(map.log_largest_ * std::pow(x, map.power_));
       const Vec2 at = map.gaze_ + r * Vec2{std::cos(angle), std::sin(angle)};
       map.cell_(u, v) = {std::clamp(static_cast<int>(std::floor(at.x)), 0, grid.width() - 1),
                          std::clamp(static_cast<int>(std::floor(at.y)), 0, grid.height() - 1)};
@@ -79,7 +78,7 @@ Vec2 TexelMap::place(int x, int y) const {
   const float r = std::max(std::hypot(off.x, off.y), 1.0F);
   float angle = std::atan2(off.y, off.x);
   if (angle < 0.0F) angle += kTurn;
-  return {static_cast<float>(width()) * std::pow(std::log(r) / log_largest_, 1.0F / kPower),
+  return {static_cast<float>(width()) * std::pow(std::log(r) / log_largest_, 1.0F / power_),
           static_cast<float>(height()) * angle / kTurn};
 }
 

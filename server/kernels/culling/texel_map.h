@@ -17,8 +17,8 @@ class TexelMap {
   /// Every n-th cell each way, n >= 1.
   static TexelMap thinned(const PixelGrid& grid, int n);
   /// u = W K^-1(ln r / L), v = H (angle / 2 pi), with r >= 1 the distance from the gaze in cells, L
-  /// the logarithm of the largest, K(x) = x^4, and W x H the grid's size over `shrink` >= 1.
-  static TexelMap log_polar(const PixelGrid& grid, const Gaze& gaze, double shrink);
+  /// the logarithm of the largest, K(x) = x^power, and W x H the grid's size over `shrink` >= 1.
+  static TexelMap log_polar(const PixelGrid& grid, const Gaze& gaze, double shrink, double power);
 
   int width() const { return cell_.width(); }
   int height() const { return cell_.height(); }
@@ -35,7 +35,7 @@ class TexelMap {
   bool log_polar_ = false;
   float step_ = 1.0F;  ///< thinned: cells a texel
   Vec2 gaze_{0.0F};    ///< log-polar: in cells
-  float log_largest_ = 1.0F;
+  float log_largest_ = 1.0F, power_ = 1.0F;
 };
 
 }  // namespace macula::kernels::culling

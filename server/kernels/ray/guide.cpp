@@ -48,16 +48,4 @@ FoveationMap acuity_map(const FrameRequest& request, const foveation::RateModel&
   return FoveationMap(std::move(inputs), model);
 }
 
-std::vector<image::Plane<float>> acuity_of(const FrameRequest& request,
-                                           const foveation::RateModel& model) {
-  const FoveationMap map = acuity_map(request, model);
-  std::vector<image::Plane<float>> acuity;
-  for (std::size_t v = 0; v < request.views.size(); ++v) {
-    const PixelGrid& grid = request.views[v].grid;
-    acuity.emplace_back(grid.width(), grid.height());
-    for (int y = 0; y < grid.height(); ++y) map.samples_wanted_row(v, y, acuity[v].row(y));
-  }
-  return acuity;
-}
-
 }  // namespace macula::kernels::ray

@@ -22,8 +22,5 @@ FrameBuffers trace_surfaces(const FrameRequest& request, const SceneFrame& scene
 /// cell that stands for many pixels deserves what all of them do. On request.views, whose grids may
 /// be thinner than those of request.foveation; gazes and nominal pixels are that one's.
 FoveationMap acuity_map(const FrameRequest& request, const foveation::RateModel& model);
-/// All of it.
-std::vector<image::Plane<float>> acuity_of(const FrameRequest& request,
-                                           const foveation::RateModel& model);
 
 }  // namespace macula::kernels::ray

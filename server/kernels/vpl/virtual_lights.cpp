@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "server/lights/light_rays.h"
@@ -10,6 +11,7 @@
 #include "server/sampling/sobol.h"
 #include "server/scheduling/run_shared.h"
 #include "shared/base/check.h"
+#include "shared/image/color.h"
 
 namespace macula::kernels::vpl {
 namespace {
@@ -92,7 +94,8 @@ class StreamRun {
     for (std::size_t i = 0; i < out.size(); ++i) send(first + i);
     scene_.intersect(rays_, hits_, visibility::Coherence::Incoherent);
     for (std::size_t i = 0; i < out.size(); ++i) {
-      if (hits_.hit(static_cast<int>(i))) out[i] = reflect(static_cast<int>(i));
+      if (hits_.hit(static_cast<int>(i)))
+        out[i] = reflect(static_cast<int>(i), sources_.of(first + i));
     }
   }
 
@@ -102,6 +105,7 @@ class StreamRun {
     const auto index = static_cast<std::uint32_t>(slot - source.first);
     const LightRay ray = draw(source, index);
     flux_[rays_.count] = ray.flux / static_cast<float>(source.count);
+    spread_[rays_.count] = spread_of(ray, source);
     const Vec3 origin = ray.surface_normal == Vec3{0.0F}
                             ? Vec3(ray.origin)
                             : visibility::offset_ray_origin(Vec3(ray.origin), ray.surface_normal,
@@ -116,12 +120,29 @@ class StreamRun {
     const auto point = [&](Dimension dimension) {
       return sampling::sobol_owen_2d(index, sampling::scramble_seed(source.key, dimension));
     };
-    if (source.punctual) return lights::ray_from(*source.punctual, lit_, point(kDirection));
-    return lights::ray_from_area(scene_.lights(), point(kPlace), point(kDirection),
-                                 scene_.surfaces(), scene_.materials());
+    const Vec2 direction = glm::fract(point(kDirection) + config_.shift);
+    if (source.punctual) return lights::ray_from(*source.punctual, lit_, direction);
+    return lights::ray_from_area(scene_.lights(), point(kPlace), direction, scene_.surfaces(),
+                                 scene_.materials());
   }
 
-  VirtualPointLight reflect(int i) const {
+  /// What the ray stands for: steradians of a point or a spot (where that shines most), square
+  /// meters across directional light.
+  static float spread_of(const LightRay& ray, const Source& source) {
+    if (!source.punctual || !shines(ray.flux)) return std::numeric_limits<float>::infinity();
+    return image::luminance(ray.flux) / image::luminance(source.punctual->intensity) /
+           static_cast<float>(source.count);
+  }
+  /// Radius of the disc that the spread covers where the ray lands.
+  static float footprint_m(float spread, const Source& source, const DVec3& at, float cosine) {
+    const bool parallel =
+        !source.punctual || source.punctual->kind == scene::LightKind::Directional;
+    const double distance = parallel ? 1.0 : glm::length(at - source.punctual->position);
+    return static_cast<float>(distance *
+                              std::sqrt(static_cast<double>(spread / cosine) / std::numbers::pi));
+  }
+
+  VirtualPointLight reflect(int i, const Source& source) const {
     const shading::Surface surface =
         scene_.surface(hits_.at(i), DVec3(rays_.origin(i) + hits_.t[i] * rays_.direction(i)));
     const Vec3 to_light = -rays_.direction(i);
@@ -136,7 +157,8 @@ class StreamRun {
     const Rgb share = diffuse_reflectance(scene_.materials().bsdf(surface, {}, config_.model),
                                           {geometric, shading, to_light});
     return {surface.position, geometric, surface.span_m,
-            flux_[i] * share * (cos_shading / cos_geometric)};
+            flux_[i] * share * (cos_shading / cos_geometric),
+            footprint_m(spread_[i], source, surface.position, cos_geometric)};
   }
 
   const SceneFrame& scene_;
@@ -146,6 +168,7 @@ class StreamRun {
   visibility::RayStream rays_;
   visibility::HitStream hits_;
   Rgb flux_[kStreamCapacity];
+  float spread_[kStreamCapacity];
 };
 
 }  // namespace

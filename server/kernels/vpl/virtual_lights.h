@@ -19,6 +19,9 @@ struct Config {
       64;  ///< side^2 rays for all emissive triangles together, by their power; >= 0
   shading::MaterialModel model = shading::MaterialModel::AsInScene;
   std::uint64_t seed = 0;
+  /// Moves the rays of every light together, in the unit square that they fill evenly, wrapping at
+  /// its ends: by less than 1 / side, they land beside where they did.
+  Vec2 shift{0.0F};
 };
 
 /// `rays` rays in all, or fewer: as many for every punctual light, and for all emissive triangles.

@@ -17,6 +17,7 @@ std::vector<VirtualPointLight> some_lights(int count) {
   for (int i = 0; i < count; ++i) {
     lights.push_back({DVec3(random.in_cube(3.0)), glm::normalize(random.in_cube(1.0)), 0.1F,
                       Rgb{1.0F, 2.0F, 3.0F} * static_cast<float>(i + 1)});
+    if (i % 3 == 0) lights.back().footprint_m = 0.2F;  // of those, nearer ones count as they are
   }
   return lights;
 }
@@ -53,6 +54,19 @@ TEST(VirtualLightTable, BringsWhatTheScalarFunctionSays) {
   }
   EXPECT_GT(dark, 30);
   EXPECT_LT(dark, 80);
+}
+
+TEST(VirtualLightTable, CapsNearerThanTheLeastDistanceAndTheFootprintAlone) {
+  VirtualPointLight light{DVec3{0.0, 1.0, 0.0}, Vec3{0, -1, 0}, 0.1F, Rgb{1.0F}};
+  const auto at = [&](double distance_m) {
+    return arriving(light, DVec3{0.0, 1.0 - distance_m, 0.0}, 0.5)->irradiance.x;
+  };
+  EXPECT_FLOAT_EQ(at(0.1), at(0.5)) << "not known: least distance";
+  light.footprint_m = 0.2F;
+  EXPECT_FLOAT_EQ(at(0.1), at(0.2));
+  EXPECT_NEAR(at(0.3), at(0.6) * 4.0F, 1e-5F);
+  light.footprint_m = 2.0F;
+  EXPECT_FLOAT_EQ(at(0.1), at(0.5));
 }
 
 TEST(VirtualLightTable, PutsEveryLightIntoOneRowAndFillsClassesWithDarkness) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 
+#include "server/kernels/culling/contribution.h"
 #include "server/kernels/culling/importance.h"
 #include "server/kernels/culling/moved_objects.h"
 #include "server/kernels/culling/shading_points.h"
@@ -148,6 +149,41 @@ TEST(StochasticCulling, GoesByFluxWhereNothingContributes) {
   EXPECT_TRUE(cull({}, {}, config, 0.3F).empty());
 }
 
+// ---- contribution ----
+
+// Light that falls on one of many points matters more than as much that falls on all of them; the
+// printed mean does not tell them apart.
+TEST(Contribution, IsTheRootMeanSquareOfWhatPointsReceive) {
+  const auto loaded = scene::load_scene("cornell");
+  ASSERT_TRUE(loaded);
+  const auto frame = SceneFrame::create(*loaded);
+  ASSERT_TRUE(frame);
+  const std::vector<VirtualPointLight> lights{
+      {DVec3{0.0, 0.5, 0.0}, Vec3{0, -1, 0}, 0.01F, Rgb{1.0F}}};
+  std::vector<ShadingPoint> points;
+  for (int i = 0; i < 8; ++i)
+    points.push_back({Vec3{0.1F * static_cast<float>(i), 0.0F, 0.0F}, Vec3{0, 1, 0}, 1.0F, 0.5F});
+  double mean = 0.0, square = 0.0;
+  for (const ShadingPoint& point : points) {
+    const auto arrival = lights::arriving(lights[0], DVec3(point.position));
+    ASSERT_TRUE(arrival);
+    const double brings =
+        0.5 * static_cast<double>(arrival->to_light.y) * static_cast<double>(arrival->irradiance.x);
+    mean += brings / 8.0, square += brings * brings / 8.0;
+  }
+  Config config;
+  config.visibility_rays = 0;
+  scheduling::TileScheduler scheduler(1);
+  const auto told = [&](PointMean of) {
+    config.mean = of;
+    return static_cast<double>(
+        contributions(**frame, lights, points, config, 0.0, 0, scheduler).unhidden[0]);
+  };
+  EXPECT_NEAR(told(PointMean::OfSquares), square, 1e-4 * square);
+  EXPECT_NEAR(told(PointMean::Plain), mean, 1e-4 * mean);
+  EXPECT_GT(square, 1.1 * mean * mean) << "they differ here";
+}
+
 // ---- importance ----
 
 /// A wall at a slant, a step in its middle column, and nothing in the last row.
@@ -186,6 +222,20 @@ TEST(Importance, NeverFallsToNothingInTheDark) {
   EXPECT_FLOAT_EQ(scene.importance()(5, 5), 0.3F * 0.05F);
   scene.brightness(5, 5) = kInfinity;
   EXPECT_FLOAT_EQ(scene.importance()(5, 5), 0.3F) << "not known";
+}
+
+TEST(Importance, BringsTheFoveaItsShareAndLeavesWhatHasMore) {
+  Plane<float> acuity(4, 1, 0.2F), weights(4, 1, 1.0F);
+  acuity(2, 0) = 1.0F, weights(2, 0) = 0.5F;
+  Plane<float> focused = weights;
+  focus(acuity, 0.5F, focused);
+  EXPECT_FLOAT_EQ(focused(2, 0), 3.0F) << "as much as the three others";
+  EXPECT_FLOAT_EQ(focused(0, 0), 1.0F);
+  focus(acuity, 0.25F, focused);
+  EXPECT_FLOAT_EQ(focused(2, 0), 3.0F) << "never less";
+  weights(2, 0) = 0.0F;
+  focus(acuity, 0.5F, weights);
+  EXPECT_FLOAT_EQ(weights(2, 0), 0.0F) << "nothing is there";
 }
 
 TEST(Importance, ColorsDifferAsTheEyeSeesThem) {

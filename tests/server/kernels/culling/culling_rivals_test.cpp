@@ -153,7 +153,8 @@ TEST(TexelMap, BringsASmoothPictureBackWhereTheEyeLooks) {
   for (const Vec3& direction : {Vec3{0, 0, -1}, glm::normalize(Vec3{0.5F, -0.3F, -1.0F})}) {
     Gaze gaze;
     gaze.direction = direction;
-    EXPECT_GT(round_trip_db(TexelMap::log_polar(grid, gaze, 1.8), grid, gaze), 40.0);
+    for (const double rings : {1.0, 4.0})
+      EXPECT_GT(round_trip_db(TexelMap::log_polar(grid, gaze, 1.8, rings), grid, gaze), 40.0);
     EXPECT_GT(round_trip_db(TexelMap::thinned(grid, 2), grid, gaze), 40.0);
     EXPECT_LT(round_trip_db(TexelMap::thinned(grid, 16), grid, gaze), 30.0) << "coarser ones lose";
   }
@@ -165,7 +166,7 @@ TEST(TexelMap, IsDefinedForAnyGazeAndSize) {
   for (const int side : {1, 2, 7}) {
     const PixelGrid grid = foveation::make_uniform_grid(test::display(side, 90.0));
     for (const TexelMap& map :
-         {TexelMap::log_polar(grid, behind, 1.8), TexelMap::thinned(grid, 2)}) {
+         {TexelMap::log_polar(grid, behind, 1.8, 1.0), TexelMap::thinned(grid, 2)}) {
       for (int v = 0; v < map.height(); ++v) {
         for (int u = 0; u < map.width(); ++u) {
           EXPECT_LT(map.cell(u, v).x, side);

@@ -127,6 +127,20 @@ TEST(VirtualLights, EveryWallReflectsItsSolidAnglesShare) {
   expect_mean(flux_of(*test::frame_of(std::move(scene))), expected);
 }
 
+// Discs of the footprints' radii have the walls' area together, 6 x 2 x 2: each ray has its part of
+// the sphere, and d^2 / cos of it is wall. Without the cosine a fifth of it would be missing.
+TEST(VirtualLights, FootprintsOfALampTileTheWalls) {
+  scene::Scene scene = matt(6, 0.8F);
+  add_box(scene);
+  scene.lights = {lamp(scene::LightKind::Point, {0.3, -0.4, 0.5}, {0, -1, 0})};
+  scheduling::TileScheduler scheduler(1);
+  double area = 0.0;
+  const auto frame = test::frame_of(std::move(scene));
+  for (const auto& light : make_virtual_lights(*frame, {}, scheduler).lights)
+    area += kPi * static_cast<double>(light.footprint_m) * static_cast<double>(light.footprint_m);
+  EXPECT_NEAR(area, 24.0, 0.5);
+}
+
 TEST(VirtualLights, TheSunsFluxIsWhatItsDirectionLetsTheFloorCatch) {
   scene::Scene scene = matt(2, 0.5F);
   scene.materials[1].base_color = Rgb{0.0F};
