@@ -32,6 +32,10 @@ Run declare_culling(CLI::App& command, Pace pace) {
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20))
       ->option_text("K,... (256,512,1024,2048,4096)");
+  command.add_option("--rivals-kept", options->rivals_kept, "By fir and power")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 1 << 20))
+      ->option_text(pace == Pace::Quick ? "K,... (768,2048)" : "K,... (as --kept)");
   command
       .add_option("--knobs", options->knobs,
                   "Settings of the kernel, turned for every method; a wrong one lists them")
@@ -73,7 +77,10 @@ Run declare_culling(CLI::App& command, Pace pace) {
       "noise alone). from_vpls_ and brightness_error_pct are told against every virtual light.\n"
       "all_vpls is timed at a 64th of the pixels, flc_no_classes at a sixteenth; their time is "
       "that\n"
-      "of the whole picture. Methods:\n" +
+      "of the whole picture. A second table compares at equal CPU time: the curves of fir and "
+      "power\n"
+      "over what they keep are read at each method's time, straight in logarithms between points;\n"
+      "beyond the last, variance is taken to fall on, which favours them. Methods:\n" +
       methods);
   return [options]() -> Result<void> { return run_culling(*options); };
 }

@@ -8,6 +8,7 @@
 #include "server/kernels/culling/knobs.h"
 #include "shared/base/text.h"
 #include "shared/image/png.h"
+#include "tests/bench/culling_equal_time.h"
 #include "tests/bench/culling_judge.h"
 #include "tests/bench/culling_method.h"
 #include "tests/bench/culling_runs.h"
@@ -197,7 +198,9 @@ Result<std::vector<Wanted>> wanted(const CullingOptions& options) {
   std::vector<Wanted> all;
   const auto add = [&](const CullingMethod& method) {
     if (method.rendering == Rendering::Blocks) return all.push_back({&method, 0});
-    for (const int kept : options.kept) all.push_back({&method, kept});
+    const bool reads_off = is_rival(method.name) && !options.rivals_kept.empty();
+    for (const int kept : reads_off ? options.rivals_kept : options.kept)
+      all.push_back({&method, kept});
   };
   if (options.methods.empty())
     for (const CullingMethod& method : culling_methods()) add(method);
@@ -214,7 +217,7 @@ Result<std::vector<Wanted>> wanted(const CullingOptions& options) {
 void make_quick(CullingOptions& options) {
   options.side_px = 512;
   options.motions = {"both"};
-  options.kept = {1024};
+  options.kept = {1024}, options.rivals_kept = {768, 2048};
   options.judged = 256, options.reference_samples = 2048;
   options.warm_up = 2, options.frames = 2;
 }
@@ -265,6 +268,10 @@ Result<void> run_culling(const CullingOptions& options) {
     }
   }
   std::fputs(table_text(report.rows).c_str(), stdout);
+  const std::vector<Fields> at_equal_time = errors_at_equal_time(report.rows);
+  if (at_equal_time.empty()) return {};
+  std::fputs("\nAt equal CPU time, the rival's error over the method's own:\n", stdout);
+  std::fputs(table_text(at_equal_time).c_str(), stdout);
   return {};
 }
 
