@@ -73,11 +73,20 @@ void draw_triangle(const Vertex& a, const Vertex& b, const Vertex& c, Fragments&
 
 void draw_quad(const Vertex& upper_left, const Vertex& upper_right, const Vertex& lower_left,
                const Vertex& lower_right, Fragments& out) {
-  const auto [x0, x1] = std::minmax({upper_left.x, upper_right.x, lower_left.x, lower_right.x});
-  const auto [y0, y1] = std::minmax({upper_left.y, upper_right.y, lower_left.y, lower_right.y});
-  const Span xs = centres_between(x0, x1, 0, out.width());
-  const Span ys = centres_between(y0, y1, out.first_row(), out.end_row());
-  if (xs.empty() || ys.empty()) return;
+  const auto least = [](float a, float b, float c, float d) {
+    return std::min(std::min(a, b), std::min(c, d));
+  };
+  const auto most = [](float a, float b, float c, float d) {
+    return std::max(std::max(a, b), std::max(c, d));
+  };
+  const Span xs = centres_between(least(upper_left.x, upper_right.x, lower_left.x, lower_right.x),
+                                  most(upper_left.x, upper_right.x, lower_left.x, lower_right.x), 0,
+                                  out.width());
+  if (xs.empty()) return;
+  const Span ys = centres_between(least(upper_left.y, upper_right.y, lower_left.y, lower_right.y),
+                                  most(upper_left.y, upper_right.y, lower_left.y, lower_right.y),
+                                  out.first_row(), out.end_row());
+  if (ys.empty()) return;
   const Triangle first(upper_left, upper_right, lower_left);
   const Triangle second(lower_right, lower_left, upper_right);
   if (first.is_front() && second.is_front()) {
