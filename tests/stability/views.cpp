@@ -98,6 +98,10 @@ Shot of_the_last_seed() {
   return shot;
 }
 
+/// Relative MSE of a picture of mode Fast against one of other random numbers: within 25 degrees of
+/// the gaze many samples are hardly smoothed.
+constexpr double kOtherNoise = 0.02;
+
 }  // namespace
 
 std::vector<Extreme> views() {
@@ -112,15 +116,15 @@ std::vector<Extreme> views() {
       {"OneColumn", wall<600, 1, 64>, wall<1700, 1, 64>, tilted_wall<1700, 1, 64>},
       {"OneRow", wall<600, 64, 1>, wall<1700, 64, 1>, tilted_wall<1700, 64, 1>},
       {"AGazeStraightUp", looking_beside_the_picture, looking_up,
-       without_a_lamp<looking_beside_the_picture>, 1e-3, 0.0, In::BothModes, 1e-4, 0.01},
+       without_a_lamp<looking_beside_the_picture>, 1e-3, 0.0, In::BothModes, 1e-4, kOtherNoise},
       {"AGazeBehindTheHead", looking_beside_the_picture, looking_behind,
-       without_a_lamp<looking_beside_the_picture>, 1e-3, 0.0, In::BothModes, 1e-4, 0.01},
+       without_a_lamp<looking_beside_the_picture>, 1e-3, 0.0, In::BothModes, 1e-4, kOtherNoise},
       {"FrameNumbersThatOutgrow32Bits", everywhere, from_frame<kHalf - 1>,
-       without_a_lamp<everywhere>, 1e-3, 0.0, In::BothModes, 1e-4, 0.01},
+       without_a_lamp<everywhere>, 1e-3, 0.0, In::BothModes, 1e-4, kOtherNoise},
       {"TheLastFrameNumbers", everywhere, from_frame<kLast - 1>, without_a_lamp<everywhere>, 1e-3,
-       0.0, In::BothModes, 1e-4, 0.01},
+       0.0, In::BothModes, 1e-4, kOtherNoise},
       {"TheLastSeed", everywhere, of_the_last_seed, without_a_lamp<everywhere>, 1e-3, 0.0,
-       In::BothModes, 1e-4, 0.01},
+       In::BothModes, 1e-4, kOtherNoise},
       {"AFoveaOfNoWidth", with_a_narrow_fovea, rated<kRamp, 0, 0, 10>,
        without_a_lamp<with_a_narrow_fovea>},
       {"AFoveaWithoutARim", with_a_narrow_rim, rated<kRamp, 10, 10, 10>,
