@@ -8,6 +8,8 @@
 #define HWY_TARGET_INCLUDE "client/reprojection/doubled_colors_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+// Below it:
+#include "client/reprojection/packed_colors_simd.h"
 
 #ifndef MACULA_CLIENT_REPROJECTION_DOUBLED_COLORS_SIMD_ONCE
 #define MACULA_CLIENT_REPROJECTION_DOUBLED_COLORS_SIMD_ONCE
@@ -97,14 +99,6 @@ HWY_INLINE HWY_ATTR W rounded(W red_blue, W green) {
   return hn::Or(hn::BitCast(d, part(red_blue)), hn::BitCast(d, hn::ShiftLeft<8>(part(green))));
 }
 
-using Bytes = hn::Full128<std::uint8_t>;
-/// Four colours, three bytes each, in the first twelve.
-HWY_INLINE HWY_ATTR hn::Vec<Bytes> packed(const std::uint32_t* four) {
-  alignas(16) static constexpr std::uint8_t kPack[16] = {0,  1,  2,  4,  5,   6,   8,   9,
-                                                         10, 12, 13, 14, 128, 128, 128, 128};
-  return hn::TableLookupBytesOr0(hn::Load(Bytes(), reinterpret_cast<const std::uint8_t*>(four)),
-                                 hn::Load(Bytes(), kPack));
-}
 /// The first `count` of two vectors of colours. Where there is room for more of them, four bytes
 /// beyond are written too.
 HWY_INLINE HWY_ATTR void write(const std::uint32_t* colors, int count, int room, Rgb8* out) {
@@ -112,9 +106,7 @@ HWY_INLINE HWY_ATTR void write(const std::uint32_t* colors, int count, int room,
   std::uint8_t bytes[3 * (kCount + kBeyond)];
   const bool fits = count == kCount && room >= kCount + kBeyond;
   std::uint8_t* const to = fits ? reinterpret_cast<std::uint8_t*>(out) : bytes;
-  for (int i = 0; i < kCount / 4; ++i) {
-    hn::StoreU(packed(colors + 4 * i), Bytes(), to + 12 * i);
-  }
+  pack(colors, kCount, to);
   if (!fits) std::memcpy(static_cast<void*>(out), bytes, 3 * static_cast<std::size_t>(count));
 }
 
@@ -143,13 +135,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace macula::reprojection {
-namespace {
-
-FragmentRow places_of(const Fragments& fragments, int row) {
-  return {fragments.inverse_depths(row), fragments.us(row), fragments.vs(row)};
-}
-
-}  // namespace
 
 HWY_EXPORT(join_columns);
 HWY_EXPORT(mix_rows);
@@ -167,8 +152,7 @@ void DoubledColors::begin(int width) {
 const std::uint32_t* DoubledColors::words(const Fragments& fragments, const Resolver& resolver,
                                           int row) {
   const std::size_t slot = static_cast<std::size_t>(row) % kKept;
-  if (rows_[slot] != row)
-    resolver.resolve_words(places_of(fragments, row), width_, words_[slot].data());
+  if (rows_[slot] != row) resolver.resolve_words(fragments.row(row), width_, words_[slot].data());
   rows_[slot] = row;
   return words_[slot].data();
 }
@@ -176,18 +160,16 @@ const std::uint32_t* DoubledColors::words(const Fragments& fragments, const Reso
 void DoubledColors::join(const Fragments& fragments, int row) {
   if (joined_row_ == row) return;
   std::uint32_t* const joined = joined_.data() + kAround;
-  HWY_DYNAMIC_DISPATCH(join_columns)(places_of(fragments, row), width_, joined);
+  HWY_DYNAMIC_DISPATCH(join_columns)(fragments.row(row), width_, joined);
   joined[-1] = joined[width_ - 1] = 0;
   joined_row_ = row;
 }
 
 void DoubledColors::draw(const Fragments& fragments, const Resolver& resolver, int y, int first,
                          int end, std::span<Rgb8> out) {
-  const int here = y / 2;
-  const int beside =
-      std::clamp(y % 2 == 0 ? here - 1 : here + 1, fragments.first_row(), fragments.end_row() - 1);
-  const ColoredRow far{words(fragments, resolver, beside), places_of(fragments, beside)};
-  const ColoredRow near{words(fragments, resolver, here), places_of(fragments, here)};
+  const int here = y / 2, beside = fragments.row_beside(y);
+  const ColoredRow far{words(fragments, resolver, beside), fragments.row(beside)};
+  const ColoredRow near{words(fragments, resolver, here), fragments.row(here)};
   join(fragments, here);
   const MixedRow mixed{red_blue_.data() + kAround, green_.data() + kAround,
                        joined_.data() + kAround};

@@ -10,11 +10,6 @@
 
 namespace macula::reprojection {
 
-/// A row of fragments, readable a whole vector beyond its end.
-struct FragmentRow {
-  const float *inverse_depth, *u, *v;
-};
-
 /// Neighbouring fragments farther apart in the source belong to different surfaces: twice what
 /// frames of 1.5 cells a pixel have between every second pixel.
 inline constexpr float kMostApart_cells = 6.0F;

@@ -82,21 +82,17 @@ HWY_EXPORT(between_rows);
 HWY_EXPORT(double_row);
 
 FragmentRow DoubledRows::row(const Fragments& fragments, int y, int first, int end) {
-  const int width = fragments.width(), here = y / 2;
-  const int beside =
-      std::clamp(y % 2 == 0 ? here - 1 : here + 1, fragments.first_row(), fragments.end_row() - 1);
+  const int width = fragments.width();
   const auto room = static_cast<std::size_t>(width + 2 * kBefore);
   for (std::vector<float>* plane : {&upright_.inverse_depth, &upright_.u, &upright_.v}) {
     plane->resize(room);
   }
   for (std::vector<float>* plane : {&inverse_depth_, &u_, &v_}) plane->resize(2 * room);
-  const auto of = [&](int row) {
-    return FragmentRow{fragments.inverse_depths(row), fragments.us(row), fragments.vs(row)};
-  };
   const Row between{upright_.inverse_depth.data() + kBefore, upright_.u.data() + kBefore,
                     upright_.v.data() + kBefore};
   HWY_DYNAMIC_DISPATCH(between_rows)
-  (of(here), of(beside), std::max(first - 1, 0), std::min(end + 1, width), between);
+  (fragments.row(y / 2), fragments.row(fragments.row_beside(y)), std::max(first - 1, 0),
+   std::min(end + 1, width), between);
   between.inverse_depth[-1] = between.inverse_depth[width] = -1.0F;
   const Row doubled{inverse_depth_.data(), u_.data(), v_.data()};
   HWY_DYNAMIC_DISPATCH(double_row)

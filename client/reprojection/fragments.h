@@ -17,6 +17,11 @@ struct Fragment {
   bool drawn() const { return inverse_depth >= 0.0F; }
 };
 
+/// A row of fragments, readable a whole vector beyond its end.
+struct FragmentRow {
+  const float *inverse_depth, *u, *v;
+};
+
 class Fragments {
  public:
   Fragments() = default;
@@ -56,6 +61,14 @@ class Fragments {
   float* vs(int y) { return v_.data() + row_begin(y - first_row_); }
   const float* us(int y) const { return u_.data() + row_begin(y - first_row_); }
   const float* vs(int y) const { return v_.data() + row_begin(y - first_row_); }
+
+  /// A row of the band.
+  FragmentRow row(int y) const { return {inverse_depths(y), us(y), vs(y)}; }
+  /// In a picture twice as high: the row of fragments that lies next to row `y` of pixels after its
+  /// own, y / 2, which stands for it at the band's first and last.
+  int row_beside(int y) const {
+    return std::clamp(y % 2 == 0 ? y / 2 - 1 : y / 2 + 1, first_row_, end_row_ - 1);
+  }
 
   /// A pixel of the band.
   Fragment operator()(int x, int y) const { return {inverse_depth(x, y), us(y)[x], vs(y)[x]}; }

@@ -15,6 +15,8 @@
 #define HWY_TARGET_INCLUDE "client/reprojection/resolve_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+// Below it:
+#include "client/reprojection/packed_colors_simd.h"
 
 #ifndef MACULA_CLIENT_REPROJECTION_RESOLVE_SIMD_ONCE
 #define MACULA_CLIENT_REPROJECTION_RESOLVE_SIMD_ONCE
@@ -155,7 +157,6 @@ HWY_INLINE HWY_ATTR void find_places(const Resolving& r, int x, int count, Place
 
 // ---- four colours at a time ----
 
-using Bytes = hn::Full128<std::uint8_t>;
 using Quad = hn::CappedTag<float, 4>;
 
 alignas(16) constexpr std::uint8_t kSpread[16] = {0, 1, 2, 128, 3, 4,  5,  128,
@@ -459,15 +460,8 @@ HWY_INLINE HWY_ATTR void resolve_bilinear(const Resolving& r, const Places& plac
 
 /// The first `count` of sixteen colours as bytes; black where nothing is drawn.
 HWY_INLINE HWY_ATTR void write(const Colors& colors, std::uint32_t drawn, int count, Rgb8* out) {
-  const Bytes d8;
-  alignas(16) static constexpr std::uint8_t kPack[16] = {0,  1,  2,  4,  5,   6,   8,   9,
-                                                         10, 12, 13, 14, 128, 128, 128, 128};
-  const auto pack = hn::Load(d8, kPack);
   std::uint8_t bytes[3 * kGroup + 4];
-  for (std::size_t i = 0; i < kGroup / 4; ++i) {
-    const auto four = hn::Load(d8, reinterpret_cast<const std::uint8_t*>(colors.rgb + 4 * i));
-    hn::StoreU(hn::TableLookupBytesOr0(four, pack), d8, bytes + 12 * i);
-  }
+  pack(colors.rgb, kGroup, bytes);
   if (count == kGroup) {
     std::memcpy(static_cast<void*>(out), bytes, std::size_t{3} * kGroup);
   } else {

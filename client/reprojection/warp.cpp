@@ -303,7 +303,7 @@ struct Warper::Memory {
 
 /// The pixels of a row of fragments.
 void Warper::Memory::resolve(const Resolver& resolver, int y, image::Plane<Rgb8>& out) {
-  const FragmentRow row{fragments.inverse_depths(y), fragments.us(y), fragments.vs(y)};
+  const FragmentRow row = fragments.row(y);
   if (side_px == 1) {
     resolver.resolve_row(row, 0, out.row(y));
     return;
@@ -357,8 +357,10 @@ WarpReport Warper::warp(const SourceView& source, const Pose& stage_from_display
   }
   const Resolver resolver(source, display, options.filter);
   fragments.resize(raster.width_px, raster.height_px);
-  doubled_colors.begin(raster.width_px);
-  narrow = narrow_cells(source.grid, display, kNarrow_px);
+  if (side_px > 1) {
+    doubled_colors.begin(raster.width_px);
+    narrow = narrow_cells(source.grid, display, kNarrow_px);
+  }
   holes.clear();
   if (out.width() != display.width_px || out.height() != display.height_px) {
     out.resize(display.width_px, display.height_px);

@@ -125,16 +125,25 @@ TEST(SpeedPaths, EverySecondPixelOfAnOddDisplayIsEveryPixel) {
   EXPECT_EQ(psnr_db(each, second, [](int, int) { return true; }), kInfinity);
 }
 
-TEST(SpeedPaths, PlacesBetweenFragmentsAreInterpolatedButForSilhouettes) {
-  constexpr int kSide = 40, kJump = 20;
-  Fragments fragments(kSide, kSide);
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const float beyond = x < kJump ? 0.0F : 30.0F;  // cells: another surface
-      fragments.set(x, y,
-                    {1.0F, 2.0F * static_cast<float>(x) + beyond, 2.0F * static_cast<float>(y)});
+/// A square of them, all 1 m away; place(x, y) in the source, cells.
+template <class Place>
+Fragments fragments_of(int side, const Place& place) {
+  Fragments fragments(side, side);
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      const Vec2 at = place(static_cast<float>(x), static_cast<float>(y));
+      fragments.set(x, y, {1.0F, at.x, at.y});
     }
   }
+  return fragments;
+}
+
+TEST(SpeedPaths, PlacesBetweenFragmentsAreInterpolatedButForSilhouettes) {
+  constexpr int kSide = 40, kJump = 20;
+  Fragments fragments = fragments_of(kSide, [](float x, float y) {
+    const float beyond = x < kJump ? 0.0F : 30.0F;  // cells: another surface
+    return Vec2{2.0F * x + beyond, 2.0F * y};
+  });
   fragments.set(5, 5, {});
   DoubledRows rows;
   for (int y = 1; y + 1 < 2 * kSide; ++y) {
@@ -175,14 +184,10 @@ TEST(SpeedPaths, ColoursBetweenFragmentsAreInterpolatedButForSilhouettes) {
   const Ramp ramp;
   const SourceView source = ramp.view();
   const Resolver resolver(source, ramp.display, WarpOptions::Filter::Bilinear);
-  Fragments fragments(kSide, kSide);
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      const float beyond = x < kJump ? 1.0F : 11.0F;  // cells: another surface
-      fragments.set(x, y,
-                    {1.0F, 0.5F * static_cast<float>(x) + beyond, 0.5F * static_cast<float>(y)});
-    }
-  }
+  Fragments fragments = fragments_of(kSide, [](float x, float y) {
+    const float beyond = x < kJump ? 1.0F : 11.0F;  // cells: another surface
+    return Vec2{0.5F * x + beyond, 0.5F * y};
+  });
   fragments.set(5, 5, {});
   DoubledColors colors;
   colors.begin(kSide);
@@ -210,12 +215,9 @@ TEST(SpeedPaths, APartOfARowOfColoursIsThatOfTheWholeRow) {
   const Ramp ramp;
   const SourceView source = ramp.view();
   const Resolver resolver(source, ramp.display, WarpOptions::Filter::Bilinear);
-  Fragments fragments(kSide, kSide);
-  for (int y = 0; y < kSide; ++y) {
-    for (int x = 0; x < kSide; ++x) {
-      fragments.set(x, y, {1.0F, 0.7F * static_cast<float>(x), 0.6F * static_cast<float>(y)});
-    }
-  }
+  Fragments fragments = fragments_of(kSide, [](float x, float y) {
+    return Vec2{0.7F * x, 0.6F * y};
+  });
   DoubledColors whole, parts;
   whole.begin(kSide), parts.begin(kSide);
   for (int y = 0; y < 2 * kSide; ++y) {
@@ -247,13 +249,9 @@ TEST(SpeedPaths, WhereCellsAreNarrowEachPixelHasItsOwnPlace) {
   const SourceView source = frame.view();
   const Resolver resolver(source, display, WarpOptions::Filter::Bilinear);
   image::Plane<Rgb8> smooth(120, 120);
-  Fragments fragments(60, 60);
-  for (int y = 0; y < 60; ++y) {
-    for (int x = 0; x < 60; ++x) {
-      fragments.set(
-          x, y, {1.0F, 2.0F * static_cast<float>(x) + 10.5F, 2.0F * static_cast<float>(y) + 10.5F});
-    }
-  }
+  const Fragments fragments = fragments_of(60, [](float x, float y) {
+    return Vec2{2.0F * x + 10.5F, 2.0F * y + 10.5F};
+  });
   DoubledColors colors;
   colors.begin(60);
   for (int y = 0; y < 120; ++y) colors.draw(fragments, resolver, y, 0, 60, smooth.row(y));
