@@ -3,9 +3,12 @@
 // taken from the diffuse part on the way in and out (Kelemen and Szirmay-Kalos 2001),
 //   f = D G F / (4 cos_v cos_l) + albedo / pi (1 - E(v)) (1 - E(l)) / (1 - E_mean),
 // so the sum is reciprocal and never reflects more than it receives; without a lobe it is exactly
-// albedo / pi. Reflection only, on both sides of a surface. Directions: unit, world, away from it.
+// albedo / pi. Where a paper was printed with it, Phong's lobe instead (phong.h): f0 times the lobe
+// beside (1 - f0) albedo / pi, without a Fresnel term. Reflection only, on both sides of a surface.
+// Directions: unit, world, away from it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "shared/image/color.h"
@@ -13,12 +16,15 @@
 
 namespace macula::shading {
 
+enum class LobeModel : std::uint8_t { Ggx, Phong };
+
 /// A material at one point; view-independent.
 struct Bsdf {
   Rgb albedo{0.0F};    ///< diffuse reflectance before the lobe takes its share, [0, 1]
   Rgb f0{0.0F};        ///< lobe's reflectance at normal incidence, [0, 1]
-  float f90 = 0.0F;    ///< at grazing incidence, [0, 1]
-  float alpha = 1.0F;  ///< GGX width, roughness squared, [kLeastAlpha, 1]
+  float f90 = 0.0F;    ///< at grazing incidence, [0, 1]; 0 with Phong's lobe
+  float alpha = 1.0F;  ///< GGX width, roughness squared, [kLeastAlpha, 1]; Phong's about as wide
+  LobeModel lobe = LobeModel::Ggx;
 
   bool glossy() const { return f90 > 0.0F || f0.x > 0.0F || f0.y > 0.0F || f0.z > 0.0F; }
 };
@@ -50,7 +56,8 @@ class Reflector {
   /// f(to_eye, to_light) times the cosine at the shading normal; 0 for light from below either
   /// normal.
   Rgb evaluate(const Vec3& to_light) const;
-  /// Share of a uniform environment that is reflected to the eye: at most 1 a channel.
+  /// Share of a uniform environment that is reflected to the eye: at most 1 a channel. Of Phong's
+  /// lobe as much as head-on, which is what its ambient term counts.
   const Rgb& reflectance() const { return reflectance_; }
   /// A direction with the density of pdf(); u in [0, 1)^3: the first chooses the lobe. It may lie
   /// below the surface, where nothing is reflected.
@@ -65,6 +72,10 @@ class Reflector {
  private:
   friend struct ReflectorBatch;
   Rgb evaluate_lobe(const Vec3& to_light, float cos_l) const;
+  Rgb evaluate_phong(const Vec3& to_light, float cos_l) const;
+  Vec3 sample_lobe(const Vec2& u) const;
+  float lobe_pdf(const Vec3& to_light) const;
+  void share_between(const Rgb& lobe, const Rgb& passed);
 
   Bsdf bsdf_;
   ShadingFrame frame_;

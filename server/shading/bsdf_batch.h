@@ -3,6 +3,7 @@
 #pragma once
 
 #include "server/sampling/batch.h"
+#include "server/shading/bsdf.h"
 
 namespace macula::shading {
 
@@ -16,6 +17,7 @@ struct BsdfBatch {
   sampling::Vec3Batch base;  ///< base colour times texture or pattern: what the albedo plane shows
   sampling::Vec3Batch albedo, f0;
   sampling::FloatBatch f90, alpha;
+  LobeModel lobe = LobeModel::Ggx;  ///< of all of them
 };
 
 }  // namespace macula::shading

@@ -21,7 +21,8 @@ struct FactorBatches {
   float metallic, roughness, specular;
   Rgb specular_color;
   const TexelBatch *metallic_roughness, *specular_share, *specular_tint;
-  float least_f90;  ///< of a lobe that is forced
+  LobeModel lobe;
+  float least;  ///< reflectance of a lobe that is forced: f90, of Phong's f0
 };
 
 /// Where a texture is read: through its transform.
@@ -89,9 +90,15 @@ HWY_INLINE HWY_ATTR FloatVec dielectric(FloatVec specular, FloatVec tint) {
   return hn::Mul(specular, hn::Min(hn::Mul(hn::Set(d, kDielectricF0), tint), hn::Set(d, 1.0F)));
 }
 
+HWY_INLINE HWY_ATTR Vec3s at_least(const Vec3s& v, FloatVec least) {
+  return {hn::Max(v.x, least), hn::Max(v.y, least), hn::Max(v.z, least)};
+}
+
 HWY_ATTR void bsdf_vectors(const FactorBatches& f, std::size_t count, BsdfBatch& out) {
   const Floats d;
-  const auto one = hn::Set(d, 1.0F);
+  const auto one = hn::Set(d, 1.0F), least = hn::Set(d, f.least);
+  const bool phong = f.lobe == LobeModel::Phong;
+  out.lobe = f.lobe;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto metallic = factor(f.metallic, f.metallic_roughness, 2, i);
     const auto roughness = factor(f.roughness, f.metallic_roughness, 1, i);
@@ -102,9 +109,10 @@ HWY_ATTR void bsdf_vectors(const FactorBatches& f, std::size_t count, BsdfBatch&
     const Vec3s head_on{dielectric(specular, factor(f.specular_color.x, f.specular_tint, 0, i)),
                         dielectric(specular, factor(f.specular_color.y, f.specular_tint, 1, i)),
                         dielectric(specular, factor(f.specular_color.z, f.specular_tint, 2, i))};
-    store(plus(scaled(rest, head_on), metallic, base), out.f0, i);
-    const auto f90 = hn::MulAdd(rest, specular, metallic);
-    hn::Store(hn::Max(f90, hn::Set(d, f.least_f90)), d, out.f90.at + i);
+    const Vec3s f0 = plus(scaled(rest, head_on), metallic, base);
+    const auto f90 = hn::Max(hn::MulAdd(rest, specular, metallic), least);
+    store(phong ? at_least(f0, least) : f0, out.f0, i);
+    hn::Store(phong ? hn::Zero(d) : f90, d, out.f90.at + i);
     const auto alpha = hn::Mul(roughness, roughness);
     hn::Store(hn::Min(hn::Max(alpha, hn::Set(d, kLeastAlpha)), one), d, out.alpha.at + i);
   }
@@ -173,6 +181,7 @@ void MaterialTable::bsdf(scene::Index material, const SurfaceBatch& surfaces,
   if (lambert || options_.specular_lobe == scene::StepUse::LeftOut) {
     const float share = lambert ? 1.0F : 1.0F - m.metallic;
     HWY_DYNAMIC_DISPATCH(lambert_vectors)(share, count, out);
+    out.lobe = LobeModel::Ggx;
     return;
   }
   // Patterns stand where there are no texture coordinates for the other textures either.
@@ -189,6 +198,7 @@ void MaterialTable::bsdf(scene::Index material, const SurfaceBatch& surfaces,
       texels(entry.metallic_roughness, kColorChannels, rooms[0]),
       texels(entry.specular, kAlphaChannel, rooms[1]),
       texels(entry.specular_color, kColorChannels, rooms[2]),
+      model == MaterialModel::Phong ? LobeModel::Phong : LobeModel::Ggx,
       options_.specular_lobe == scene::StepUse::Forced ? kFaintestLobe : 0.0F};
   HWY_DYNAMIC_DISPATCH(bsdf_vectors)(factors, count, out);
 }

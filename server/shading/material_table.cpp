@@ -20,6 +20,13 @@ float footprint_scale(const scene::TextureRef& reference) {
   return std::sqrt(std::abs(reference.uv_scale.x * reference.uv_scale.y));
 }
 
+Bsdf with_phongs_lobe(Bsdf bsdf, float least_f0) {
+  bsdf.lobe = LobeModel::Phong;
+  bsdf.f0 = glm::max(bsdf.f0, Rgb{least_f0});
+  bsdf.f90 = 0.0F;
+  return bsdf;
+}
+
 }  // namespace
 
 /// The images that materials look up, each once; made into textures together, on all cores.
@@ -103,7 +110,8 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Vec2& uv, float footprint_
        .metallic = m.metallic * texture.z,
        .roughness = m.roughness * texture.y,
        .specular = m.specular * read(entry.specular, uv, footprint_uv).w,
-       .specular_color = m.specular_color * Rgb(read(entry.specular_color, uv, footprint_uv))});
+       .specular_color = m.specular_color * Rgb(read(entry.specular_color, uv, footprint_uv))},
+      model);
 }
 
 Bsdf MaterialTable::bsdf(scene::Index material, const Rgb& base_color, MaterialModel model) const {
@@ -112,19 +120,19 @@ Bsdf MaterialTable::bsdf(scene::Index material, const Rgb& base_color, MaterialM
   if (options_.specular_lobe == scene::StepUse::LeftOut) {
     return Bsdf{(1.0F - m.metallic) * base_color};
   }
-  return make_bsdf({base_color, m.metallic, m.roughness, m.specular, m.specular_color});
+  return make_bsdf({base_color, m.metallic, m.roughness, m.specular, m.specular_color}, model);
 }
 
-Bsdf MaterialTable::make_bsdf(const Factors& at) const {
+Bsdf MaterialTable::make_bsdf(const Factors& at, MaterialModel model) const {
   const Rgb dielectric = at.specular * glm::min(kDielectricF0 * at.specular_color, Rgb{1.0F});
   Bsdf bsdf;
   bsdf.albedo = (1.0F - at.metallic) * at.base;
   bsdf.f0 = (1.0F - at.metallic) * dielectric + at.metallic * at.base;
   bsdf.f90 = (1.0F - at.metallic) * at.specular + at.metallic;
   bsdf.alpha = std::clamp(at.roughness * at.roughness, kLeastAlpha, 1.0F);
-  if (options_.specular_lobe == scene::StepUse::Forced)
-    bsdf.f90 = std::max(bsdf.f90, kFaintestLobe);
-  return bsdf;
+  const float least = options_.specular_lobe == scene::StepUse::Forced ? kFaintestLobe : 0.0F;
+  bsdf.f90 = std::max(bsdf.f90, least);
+  return model == MaterialModel::Phong ? with_phongs_lobe(bsdf, least) : bsdf;
 }
 
 void MaterialTable::fetch(scene::Index material, const Vec2& uv, float footprint_uv) const {

@@ -15,8 +15,9 @@
 
 namespace macula::shading {
 
-/// Lambert: every material becomes a diffuse one of its base colour, whatever else it says.
-enum class MaterialModel { AsInScene, Lambert };
+/// Lambert: every material becomes a diffuse one of its base colour, whatever else it says. Phong:
+/// lobes are Phong's, as in the lighting of the foveated ray tracing paper (section 4).
+enum class MaterialModel { AsInScene, Lambert, Phong };
 
 struct MaterialOptions {
   /// LeftOut: factors alone. Forced: where a material has no texture it reads a white one.
@@ -89,7 +90,7 @@ class MaterialTable {
     float metallic = 0.0F, roughness = 1.0F, specular = 1.0F;
     Rgb specular_color{1.0F};
   };
-  Bsdf make_bsdf(const Factors& at) const;
+  Bsdf make_bsdf(const Factors& at, MaterialModel model) const;
   /// Share of the surface that is there, in [0, 1].
   float coverage(const Entry& entry, const Vec2& uv) const;
   Vec4 read(const std::optional<Lookup>& lookup, const Vec2& uv, float footprint_uv) const;

@@ -14,7 +14,8 @@ struct ReflectorBatch {
   sampling::Vec3Batch shading, geometric, to_eye;  ///< the frame of each
   sampling::Vec3Batch diffuse, f0, reflectance;
   sampling::FloatBatch f90, cos_v;
-  sampling::FloatBatch alpha;  ///< 0: without a lobe
+  sampling::FloatBatch alpha;       ///< 0: without a lobe
+  LobeModel lobe = LobeModel::Ggx;  ///< of all that have one
 
   /// Takes the first `count` of `from` over as entries from `first` on.
   void copy(std::size_t first, const ReflectorBatch& from, std::size_t count) {
@@ -23,6 +24,7 @@ struct ReflectorBatch {
     f0.copy(first, from.f0, count), reflectance.copy(first, from.reflectance, count);
     f90.copy(first, from.f90, count), cos_v.copy(first, from.cos_v, count);
     alpha.copy(first, from.alpha, count);
+    lobe = from.lobe;
   }
   void set(std::size_t i, const Reflector& reflector) {
     shading.set(i, reflector.frame_.shading);
@@ -34,6 +36,7 @@ struct ReflectorBatch {
     f90.at[i] = reflector.bsdf_.f90;
     cos_v.at[i] = reflector.cos_v_;
     alpha.at[i] = reflector.glossy_ ? reflector.bsdf_.alpha : 0.0F;
+    if (reflector.glossy_) lobe = reflector.bsdf_.lobe;
   }
 };
 

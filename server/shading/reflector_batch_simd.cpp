@@ -7,6 +7,8 @@
 #define HWY_TARGET_INCLUDE "server/shading/reflector_batch_simd.cpp"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
+
+#include "hwy/contrib/math/math-inl.h"
 #include "server/sampling/vectors_simd.h"
 #include "server/shading/ggx_nodes_simd.h"
 
@@ -93,6 +95,28 @@ HWY_INLINE HWY_ATTR Vec3s under_lobe(const ReflectorBatch& r, std::size_t i, con
           hn::IfThenElse(has_lobe, channel(f0.z, f90, under.z, glare, taken), under.z)};
 }
 
+/// The same under Phong's lobe (phong.h).
+HWY_INLINE HWY_ATTR Vec3s under_phong(const ReflectorBatch& r, std::size_t i, const Vec3s& to_light,
+                                      FloatVec cos_l, FloatVec alpha, const Vec3s& diffuse) {
+  const Floats d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F), two = hn::Set(d, 2.0F);
+  const Vec3s eye = load(r.to_eye, i), normal = load(r.shading, i);
+  const auto twice = hn::Mul(two, dot(normal, eye));
+  const Vec3s mirror{hn::MulSub(twice, normal.x, eye.x), hn::MulSub(twice, normal.y, eye.y),
+                     hn::MulSub(twice, normal.z, eye.z)};
+  const Vec3s difference{hn::Sub(mirror.x, to_light.x), hn::Sub(mirror.y, to_light.y),
+                         hn::Sub(mirror.z, to_light.z)};
+  const auto below_one = hn::Mul(hn::Set(d, 0.5F), dot(difference, difference));
+  const auto reached = hn::And(hn::Lt(below_one, one), hn::Gt(alpha, zero));
+  const auto exponent = hn::Sub(hn::Div(two, hn::Mul(alpha, alpha)), two);
+  const auto log = hn::Log1p(d, hn::IfThenElseZero(reached, hn::Neg(below_one)));
+  // Below -87 a float's exp is 0 and its vectors' is not defined.
+  const auto power = hn::Exp(d, hn::Max(hn::Mul(exponent, log), hn::Set(d, -87.0F)));
+  const auto scale = hn::Mul(hn::Add(exponent, two), hn::Set(d, 0.5F / kPi));
+  const auto lobe = hn::IfThenElseZero(reached, hn::Mul(hn::Mul(scale, power), cos_l));
+  return plus(scaled(cos_l, diffuse), lobe, load(r.f0, i));
+}
+
 HWY_ATTR void reflect_vectors(const ReflectorBatch& r, const sampling::Vec3Batch& to_lights,
                               const sampling::Vec3Batch& irradiances, std::size_t count,
                               sampling::Vec3Batch& reflected) {
@@ -107,7 +131,8 @@ HWY_ATTR void reflect_vectors(const ReflectorBatch& r, const sampling::Vec3Batch
     const Vec3s diffuse = load(r.diffuse, i);
     Vec3s f = scaled(cos_l, diffuse);
     if (!hn::AllFalse(d, hn::And(above, hn::Gt(alpha, zero)))) {
-      f = under_lobe(r, i, to_light, cos_l, alpha, diffuse);
+      f = r.lobe == LobeModel::Phong ? under_phong(r, i, to_light, cos_l, alpha, diffuse)
+                                     : under_lobe(r, i, to_light, cos_l, alpha, diffuse);
     }
     const auto product = [&](FloatVec part, FloatVec light) HWY_ATTR {
       const auto lit = hn::IfThenElseZero(above, hn::Mul(part, light));

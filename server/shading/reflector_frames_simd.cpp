@@ -80,6 +80,24 @@ HWY_INLINE HWY_ATTR Channel channel(FloatVec albedo, FloatVec f0, FloatVec f90, 
   return {hn::Div(passed, hn::Mul(hn::Set(d, kPi), left)), hn::Add(lobe, passed)};
 }
 
+/// With Phong's lobe, as Reflector has it.
+HWY_INLINE HWY_ATTR Channel phong_channel(FloatVec albedo, FloatVec f0) {
+  const Floats d;
+  const auto passed = hn::Mul(albedo, hn::Sub(hn::Set(d, 1.0F), f0));
+  return {hn::Mul(hn::Set(d, 1.0F / kPi), passed), hn::Add(f0, passed)};
+}
+/// Without a Fresnel term nothing here depends on the eye.
+HWY_ATTR void phong_vectors(const BsdfBatch& bsdfs, std::size_t count, ReflectorBatch& out) {
+  const Floats d;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const Vec3s albedo = load(bsdfs.albedo, i), f0 = load(bsdfs.f0, i);
+    const Channel r = phong_channel(albedo.x, f0.x), g = phong_channel(albedo.y, f0.y);
+    const Channel b = phong_channel(albedo.z, f0.z);
+    store({r.diffuse, g.diffuse, b.diffuse}, out.diffuse, i);
+    store({r.reflectance, g.reflectance, b.reflectance}, out.reflectance, i);
+  }
+}
+
 HWY_ATTR void reflector_vectors(const BsdfBatch& bsdfs, const SurfaceBatch& surfaces,
                                 const sampling::Vec3Batch& to_eyes, std::size_t count,
                                 ReflectorBatch& out) {
@@ -126,11 +144,14 @@ HWY_AFTER_NAMESPACE();
 namespace macula::shading {
 
 HWY_EXPORT(reflector_vectors);
+HWY_EXPORT(phong_vectors);
 
 void make_reflectors(const BsdfBatch& bsdfs, const SurfaceBatch& surfaces,
                      const sampling::Vec3Batch& to_eye, std::size_t count, ReflectorBatch& out) {
   MACULA_DCHECK(count <= sampling::kBatch);
   HWY_DYNAMIC_DISPATCH(reflector_vectors)(bsdfs, surfaces, to_eye, count, out);
+  out.lobe = bsdfs.lobe;
+  if (bsdfs.lobe == LobeModel::Phong) HWY_DYNAMIC_DISPATCH(phong_vectors)(bsdfs, count, out);
 }
 
 }  // namespace macula::shading

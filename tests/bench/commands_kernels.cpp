@@ -245,7 +245,9 @@ Run declare_ray(CLI::App& command, Pace) {
       ->option_text("N (64)");
   command.add_flag("--quick", options->quick,
                    "591x732, 24 frames, preset medium on the raster, two key frames");
-  command.add_flag("--paper-literal", options->paper_literal, "Every form as the paper prints it");
+  command.add_flag("--paper-literal", options->paper_literal,
+                   "Every form as the paper prints it, Phong's lobes among them");
+  command.add_flag("--phong", options->phong, "Phong's lobes alone");
   command.add_flag("--post-filter", options->post_filter,
                    "Resampled cells take their neighbours' light");
   command.add_option("--seed", options->seed, "Of every random number")->option_text("N (1)");

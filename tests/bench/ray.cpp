@@ -53,10 +53,11 @@ struct Spent {
   double mean_rays() const { return static_cast<double>(rays) / std::max(frames, 1); }
 };
 
-Config config_of(PaperLighting lighting, const RayOptions& options) {
+Config config_of(const RaySetting& setting, const RayOptions& options) {
   Config config;
   config.area_light_samples = 8;
-  config.ambient_samples = lighting == PaperLighting::Ao16 ? 16 : 0;
+  config.ambient_samples = setting.lighting == PaperLighting::Ao16 ? 16 : 0;
+  config.materials = setting.materials;
   if (options.paper_literal) config.foveated = kernels::ray::paper_literal();
   if (options.post_filter) config.foveated.post_filter = kernels::ray::PostFilter::On;
   return config;
@@ -73,8 +74,8 @@ class RowRun {
         scheduler_(scheduler),
         progress_(progress),
         book_(setting, options.references, options.reference_samples),
-        full_(config_of(setting.lighting, options)),
-        foveated_(with_method(config_of(setting.lighting, options))),
+        full_(config_of(setting, options)),
+        foveated_(with_method(config_of(setting, options))),
         raster_(foveation::make_uniform_grid(setting.display)),
         grid_(test.grid_name == "foveal"
                   ? foveation::make_foveal_grid(setting.display, gaze_, test.model)
@@ -284,12 +285,18 @@ RayOptions quickened(RayOptions options) {
   return options;
 }
 
+shading::MaterialModel materials_of(const RayOptions& options) {
+  const bool phong = options.phong || options.paper_literal;
+  return phong ? shading::MaterialModel::Phong : shading::MaterialModel::AsInScene;
+}
+
 Fields effective(const RayOptions& options) {
   return {{"scene", options.scene},
           {"frames", std::int64_t{options.frames}},
           {"key_frames", std::int64_t{options.key_frames}},
           {"reference_samples", std::int64_t{2 * options.reference_samples}},
           {"paper_literal", options.paper_literal},
+          {"phong", materials_of(options) == shading::MaterialModel::Phong},
           {"post_filter", options.post_filter},
           {"seed", static_cast<std::int64_t>(options.seed)}};
 }
@@ -331,8 +338,8 @@ Result<void> run_ray(const RayOptions& asked) {
   for (const Case& test : *cases) {
     if (lit_by != test.lighting_name) {
       setting.reset();
-      auto made = RaySetting::make(*scene, *find_lighting(test.lighting_name), options.width_px,
-                                   options.height_px);
+      auto made = RaySetting::make(*scene, *find_lighting(test.lighting_name),
+                                   materials_of(options), options.width_px, options.height_px);
       if (!made) return forward(made);
       setting.emplace(std::move(*made));
       lit_by = test.lighting_name;

@@ -31,7 +31,8 @@ struct RayOptions {
   int key_frames = 4;
   int reference_samples = 64;  ///< primary samples a pixel of each half-reference
   bool quick = false;          ///< 591 x 732, 24 frames, medium, two key frames
-  bool paper_literal = false;  ///< every form as printed
+  bool paper_literal = false;  ///< every form as printed, and its lighting
+  bool phong = false;          ///< the paper's lobes alone
   bool post_filter = false;
   std::uint64_t seed = 1;
   int threads = 0;

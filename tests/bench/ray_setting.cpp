@@ -98,9 +98,11 @@ Pose RaySetting::pose_at(double seconds) const {
 }
 
 Result<RaySetting> RaySetting::make(std::shared_ptr<const scene::Scene> scene,
-                                    PaperLighting lighting, int width_px, int height_px) {
+                                    PaperLighting lighting, shading::MaterialModel materials,
+                                    int width_px, int height_px) {
   RaySetting setting;
   setting.lighting = lighting;
+  setting.materials = materials;
   setting.display = {dk2_fov(), width_px, height_px};
   setting.start = starting_pose(*scene);
   const auto unlit = kernels::SceneFrame::create(scene);

@@ -7,6 +7,7 @@
 
 #include "server/kernels/kernel.h"
 #include "server/kernels/scene_frame.h"
+#include "server/shading/material_table.h"
 #include "shared/foveation/pixel_grid.h"
 
 namespace macula::bench {
@@ -20,6 +21,7 @@ Pose swayed(const Pose& start, double seconds);
 struct RaySetting {
   std::shared_ptr<const kernels::SceneFrame> scene;
   PaperLighting lighting = PaperLighting::Point;
+  shading::MaterialModel materials = shading::MaterialModel::AsInScene;
   foveation::Display display;
   Pose start;        ///< world from view where the path begins
   Vec3 light{0.0F};  ///< where the lamp hangs, world meters
@@ -29,7 +31,7 @@ struct RaySetting {
   Pose pose_at(double seconds) const;
   /// One lamp above the eye, its area version, or an open environment; nothing else shines.
   static Result<RaySetting> make(std::shared_ptr<const scene::Scene> scene, PaperLighting lighting,
-                                 int width_px, int height_px);
+                                 shading::MaterialModel materials, int width_px, int height_px);
 };
 
 }  // namespace macula::bench

@@ -66,7 +66,8 @@ bool shades_in_vectors(const SceneFrame& scene) {
 }
 
 shading::Reflector SurfaceGroup::reflector(std::size_t k) const {
-  const shading::Bsdf bsdf{bsdfs.albedo[k], bsdfs.f0[k], bsdfs.f90.at[k], bsdfs.alpha.at[k]};
+  const shading::Bsdf bsdf{bsdfs.albedo[k], bsdfs.f0[k], bsdfs.f90.at[k], bsdfs.alpha.at[k],
+                           bsdfs.lobe};
   return {bsdf, {reflectors.geometric[k], reflectors.shading[k], reflectors.to_eye[k]}};
 }
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "server/shading/ggx.h"
+#include "server/shading/phong.h"
 #include "shared/math/hash.h"
 
 namespace macula::shading {
@@ -156,6 +157,78 @@ TEST(Bsdf, SamplesFollowTheirDensity) {
   EXPECT_LT(chi_square_ratio(reflector, reflector, 60000), 1.6);
   const Reflector wider = seen_from({Rgb{0.5F}, Rgb{0.5F}, 1.0F, 0.45F}, eye);
   EXPECT_GT(chi_square_ratio(wider, reflector, 60000), 2.0);
+}
+
+// ---- Phong's lobe ----
+
+Bsdf phong(const Rgb& albedo, const Rgb& f0, float alpha) {
+  return {albedo, f0, 0.0F, alpha, LobeModel::Phong};
+}
+
+TEST(PhongLobe, HeadOnItReflectsAllThatItsColourSaysAndElsewhereNoMore) {
+  for (const float alpha : {0.02F, 0.2F, 0.6F, 1.0F}) {
+    const Bsdf bsdf = phong(Rgb{0.8F}, Rgb{0.5F}, alpha);
+    const Reflector head_on = seen_from(bsdf, kNormal);
+    EXPECT_NEAR(measured_reflectance(head_on, 65536).x, head_on.reflectance().x, 0.01F) << alpha;
+    for (const float cosine : {0.03F, 0.3F, 0.7F}) {
+      const Reflector slanted = seen_from(bsdf, direction(cosine, 0.4F));
+      EXPECT_LE(measured_reflectance(slanted, 16384).x, slanted.reflectance().x + 6e-3F)
+          << "alpha " << alpha << " cosine " << cosine;
+    }
+  }
+}
+
+// Phong's own factor, (n + 1) / (2 pi), is that of a density: a surface would lose light.
+TEST(PhongLobe, ScaledAsADensityItWouldLoseLight) {
+  const float exponent = phong_exponent(0.6F);
+  const Reflector head_on = seen_from(phong(Rgb{0.0F}, Rgb{1.0F}, 0.6F), kNormal);
+  const float kept = (exponent + 1.0F) / (exponent + 2.0F);
+  EXPECT_LT(kept * measured_reflectance(head_on, 65536).x, 0.95F);
+}
+
+TEST(PhongLobe, SwappingEyeAndLightChangesNothing) {
+  const Bsdf bsdf = phong(Rgb{0.6F, 0.4F, 0.2F}, Rgb{0.04F, 0.2F, 0.8F}, 0.3F);
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    const Vec3 u = random_3d(i), w = random_3d(i + 1000);
+    const Vec3 a = direction(0.05F + 0.95F * u.x, 6.0F * u.y);
+    const Vec3 b = direction(0.05F + 0.95F * w.x, 6.0F * w.y);
+    const Rgb there = seen_from(bsdf, a).evaluate(b) / b.z;
+    const Rgb back = seen_from(bsdf, b).evaluate(a) / a.z;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(there[c], back[c], 1e-4F * (1.0F + there[c]));
+  }
+}
+
+TEST(PhongLobe, SamplesFollowTheirDensity) {
+  const Vec3 eye = direction(0.5F, 0.9F);
+  const Reflector reflector = seen_from(phong(Rgb{0.5F}, Rgb{0.5F}, 0.4F), eye);
+  EXPECT_LT(chi_square_ratio(reflector, reflector, 60000), 1.6);
+  const Reflector wider = seen_from(phong(Rgb{0.5F}, Rgb{0.5F}, 0.45F), eye);
+  EXPECT_GT(chi_square_ratio(wider, reflector, 60000), 2.0);
+}
+
+/// Greatest relative error of `power` over a sharp lobe, against double precision.
+template <typename Power>
+double worst_of_sharp_lobe(const Power& power) {
+  const float exponent = phong_exponent(kLeastAlpha);
+  const Vec3 axis = glm::normalize(Vec3(0.3F, -0.7F, 0.6F));
+  double worst = 0.0;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    const Vec3 away = 2.0F * kLeastAlpha * (2.0F * random_3d(i) - 1.0F);
+    const Vec3 towards = glm::normalize(axis + away);
+    const DVec3 a = glm::normalize(DVec3(axis)), b = glm::normalize(DVec3(towards));
+    const double truth = std::pow(glm::dot(a, b), static_cast<double>(exponent));
+    worst = std::max(worst, std::abs(power(axis, towards, exponent) / truth - 1.0));
+  }
+  return worst;
+}
+TEST(PhongLobe, TheSharpestKeepsItsShapeInSinglePrecision) {
+  EXPECT_LT(worst_of_sharp_lobe(phong_power), 2e-3);
+}
+TEST(PhongLobe, ByItsCosineTheSharpestWouldNot) {
+  const auto by_cosine = [](const Vec3& a, const Vec3& b, float exponent) {
+    return std::pow(std::min(glm::dot(a, b), 1.0F), exponent);
+  };
+  EXPECT_GT(worst_of_sharp_lobe(by_cosine), 2e-2);
 }
 
 TEST(ShadingFrame, LightFromBehindTheSurfaceNeverLeaksThroughABentNormal) {

@@ -23,19 +23,22 @@ struct Random {
 
 /// A third has no lobe. Sharper lobes than 0.1 turn one unit in the last place of the half vector
 /// into more than the tolerance near their peak, in either function.
-Bsdf some_bsdf(std::size_t i, const Random& random) {
+Bsdf some_bsdf(std::size_t i, const Random& random, LobeModel lobe) {
   if (i % 3 == 0) return {random.color(10)};
   const float u = sampling::sample(random.key, 20);
-  return {random.color(10), random.color(13), 1.0F, 0.1F + 0.9F * u};
+  const float f90 = lobe == LobeModel::Phong ? 0.0F : 1.0F;
+  return {random.color(10), random.color(13), f90, 0.1F + 0.9F * u, lobe};
 }
 
-Reflector some_reflector(std::size_t i, const Random& random) {
+Reflector some_reflector(std::size_t i, const Random& random, LobeModel lobe = LobeModel::Ggx) {
   const Vec3 normal = random.direction(0);
   const Vec3 bent = glm::normalize(normal + 0.3F * random.direction(2));
-  return {some_bsdf(i, random), make_shading_frame(normal, bent, random.direction(4))};
+  return {some_bsdf(i, random, lobe), make_shading_frame(normal, bent, random.direction(4))};
 }
 
-TEST(ReflectorBatch, ReflectsWhatEveryReflectorAloneReflects) {
+class ReflectorBatchOf : public testing::TestWithParam<LobeModel> {};
+
+TEST_P(ReflectorBatchOf, ItsLobeReflectsWhatEveryReflectorAloneReflects) {
   int lit = 0, dark = 0;
   for (std::uint64_t round = 0; round < 40; ++round) {
     ReflectorBatch batch{};
@@ -43,7 +46,7 @@ TEST(ReflectorBatch, ReflectsWhatEveryReflectorAloneReflects) {
     std::vector<Rgb> wanted;
     for (std::size_t i = 0; i < kBatch; ++i) {
       const Random random{{7, round, i}};
-      const Reflector reflector = some_reflector(i, random);
+      const Reflector reflector = some_reflector(i, random, GetParam());
       batch.set(i, reflector);
       to_light.set(i, random.direction(6));
       irradiance.set(i, i % 5 == 0 ? Rgb{0.0F} : 3.0F * random.color(30));
@@ -61,6 +64,11 @@ TEST(ReflectorBatch, ReflectsWhatEveryReflectorAloneReflects) {
   EXPECT_GT(lit, 1000);
   EXPECT_GT(dark, 1000);
 }
+
+INSTANTIATE_TEST_SUITE_P(Lobes, ReflectorBatchOf, testing::Values(LobeModel::Ggx, LobeModel::Phong),
+                         [](const auto& tested) {
+                           return tested.param == LobeModel::Ggx ? "Ggx" : "Phong";
+                         });
 
 TEST(ReflectorBatch, AnItemsBitsDoNotDependOnItsPlace) {
   ReflectorBatch batch{};

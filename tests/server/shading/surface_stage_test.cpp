@@ -78,7 +78,8 @@ scene::Scene crumpled() {
 
 /// What the stage makes of random points of one instance.
 struct Stage {
-  Stage(const scene::Scene& scene, scene::Index instance, std::size_t count)
+  Stage(const scene::Scene& scene, scene::Index instance, std::size_t count,
+        MaterialModel model = MaterialModel::AsInScene)
       : surfaces_of(scene), materials(scene), which(instance), n(count) {
     points.count = n;
     for (std::size_t i = 0; i < kBatch; ++i) {
@@ -90,7 +91,7 @@ struct Stage {
       footprints.width_m.at[i] = 0.02F * random(7);
     }
     surfaces_of.at(which, points, surfaces);
-    materials.bsdf(which, surfaces, footprints, n, MaterialModel::AsInScene, bsdfs);
+    materials.bsdf(which, surfaces, footprints, n, model, bsdfs);
     make_reflectors(bsdfs, surfaces, footprints.to_eye, n, reflectors);
   }
   Surface one_by_one(std::size_t i) const {
@@ -135,13 +136,15 @@ TEST(SurfaceStage, PointsOfAnInstanceLieWhereTheyLieOneByOne) {
   }
 }
 
-TEST(SurfaceStage, ReflectorsAreThoseOfEveryPointAlone) {
+class SurfaceStageWith : public testing::TestWithParam<MaterialModel> {};
+
+TEST_P(SurfaceStageWith, ItsMaterialsReflectorsAreThoseOfEveryPointAlone) {
   const scene::Scene scene = crumpled();
   for (scene::Index instance = 0; instance < 2; ++instance) {
-    const Stage stage(scene, instance, kBatch);
+    const Stage stage(scene, instance, kBatch, GetParam());
     for (std::size_t i = 0; i < stage.n; ++i) {
       const Surface alone = stage.one_by_one(i);
-      const Bsdf bsdf = stage.materials.bsdf(alone, stage.footprint(i), MaterialModel::AsInScene);
+      const Bsdf bsdf = stage.materials.bsdf(alone, stage.footprint(i), GetParam());
       const Reflector reflector(bsdf,
                                 make_shading_frame(alone.geometric_normal, alone.shading_normal,
                                                    stage.footprints.to_eye[i]));
@@ -160,6 +163,12 @@ TEST(SurfaceStage, ReflectorsAreThoseOfEveryPointAlone) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Models, SurfaceStageWith,
+                         testing::Values(MaterialModel::AsInScene, MaterialModel::Phong),
+                         [](const auto& tested) {
+                           return tested.param == MaterialModel::Phong ? "Phong" : "AsInScene";
+                         });
 
 // The twin of the test above: half a texel beside, nothing agrees.
 TEST(SurfaceStage, HalfATexelBesideIsSeen) {
