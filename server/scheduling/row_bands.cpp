@@ -15,6 +15,14 @@ RowBands::RowBands(TileScheduler& scheduler, int height)
   costs_ms_.assign(static_cast<std::size_t>(height), 0.0F);
 }
 
+/// Reading a thread's CPU clock is a system call, about as long as a short step's row: tasks that
+/// are timed take several, few enough that threads end together.
+int RowBands::rows_a_task(const Rows& rows) const {
+  constexpr int kTasksAThread = 4, kMost = 16;
+  if (sharing_ == nullptr) return 1;
+  return std::clamp(rows.count() / (kTasksAThread * scheduler_.threads()), 1, kMost);
+}
+
 Rows RowBands::of(int rank) const {
   const auto edge = [&](int k) {
     return static_cast<int>(static_cast<std::int64_t>(height_) * k / ranks_);

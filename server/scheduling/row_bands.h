@@ -27,7 +27,9 @@ class RowBands {
   /// body(y) for every row of `rows`, in any order.
   template <class Body>
   Outcome run(const Rows& rows, Body&& body) {
-    return run_parts(rows, 1, [&](const Rows& row) { body(row.begin); });
+    return run_parts(rows, rows_a_task(rows), [&](const Rows& part) {
+      for (int y = part.begin; y < part.end; ++y) body(y);
+    });
   }
   /// body(part) for `rows` in parts of at most `most`, for what takes several at a time.
   template <class Body>
@@ -49,6 +51,7 @@ class RowBands {
   Outcome gather(Audience audience, const RowOutputs& outputs);
 
  private:
+  int rows_a_task(const Rows& rows) const;
   Rows of(int rank) const;
   Rows wide(const Rows& rows, int reach) const;
   void run_timed(const Rows& rows, const std::function<void(const Rows&)>& body);
