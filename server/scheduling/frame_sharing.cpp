@@ -97,7 +97,8 @@ void FrameSharing::run_by_ticket(TileScheduler& scheduler, const TileBody& body,
 bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
                             PassRecord& record, bool& stopped) {
   const double begin_pack = thread_cpu_ms();
-  Bytes payload;
+  Bytes& payload = payload_;
+  payload.clear();
   Parcel packing = Parcel::packing(payload);
   Summary mine{0, own.left_out.load() ? std::uint8_t{1} : std::uint8_t{0}, own.tiles};
   // Nobody else reads what rank 0 leaves there, nor what one alone does.
@@ -136,7 +137,7 @@ bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, 
   const bool everyone = pass.audience == Audience::EveryRank;
   const bool receives = everyone || ranks_.rank() == 0;
   Gathered payloads;
-  if (!everyone && receives) payloads = Gathered(sizes);
+  if (receives) payloads = Gathered(sizes);
   if (!(everyone ? ranks_.all_gather(payload, payloads) : ranks_.gather(payload, payloads)))
     return false;
   record.exchange_ms = ms_since(begin);
@@ -218,7 +219,9 @@ void FrameSharing::pack_rows(const RowTrade& trade, const RowOutputs& outputs, P
 bool FrameSharing::trade(const RowTrade& trade, const RowOutputs& outputs, PassRecord record) {
   const auto own = static_cast<std::size_t>(ranks_.rank());
   const double begin_pack = thread_cpu_ms();
-  std::vector<Bytes> each(trade.makes.size());
+  std::vector<Bytes>& each = rows_;
+  each.resize(trade.makes.size());
+  for (Bytes& bytes : each) bytes.clear();
   pack_rows(trade, outputs, record, each);
   record.pack_ms = thread_cpu_ms() - begin_pack;
   const auto begin = Clock::now();

@@ -94,7 +94,7 @@ class FrameSharing {
   bool exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
                 PassRecord& record, bool& stopped);
   void pack_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record,
-                 std::vector<std::vector<std::byte>>& each);
+                 std::vector<Bytes>& each);
 
   RankGroup& ranks_;
   Balance balance_;
@@ -102,6 +102,8 @@ class FrameSharing {
   std::uint64_t pass_ = 0;
   std::atomic<double> body_ms_{0.0};
   std::vector<PassRecord> passes_;
+  Bytes payload_;            ///< of the pass at work: its memory serves the next
+  std::vector<Bytes> rows_;  ///< the same for each rank, of a trade
 };
 
 }  // namespace macula::scheduling

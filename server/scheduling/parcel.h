@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "server/scheduling/bytes.h"
 #include "shared/base/check.h"
 #include "shared/image/plane.h"
 
@@ -19,7 +20,7 @@ namespace macula::scheduling {
 class Parcel {
  public:
   /// Appends to `to`, which must outlive the parcel.
-  static Parcel packing(std::vector<std::byte>& to) { return Parcel(&to, nullptr, {}); }
+  static Parcel packing(Bytes& to) { return Parcel(&to, nullptr, {}); }
   static Parcel unpacking(std::span<const std::byte> from) {
     return Parcel(nullptr, nullptr, from);
   }
@@ -75,7 +76,7 @@ class Parcel {
   }
 
  private:
-  Parcel(std::vector<std::byte>* to, std::size_t* weight, std::span<const std::byte> from)
+  Parcel(Bytes* to, std::size_t* weight, std::span<const std::byte> from)
       : to_(to), weight_(weight), from_(from) {}
 
   /// Without branches: a mask is noise. What is not wanted goes where the next one goes.
@@ -113,7 +114,7 @@ class Parcel {
     from_ = from_.subspan(bytes);
   }
 
-  std::vector<std::byte>* to_;
+  Bytes* to_;
   std::size_t* weight_;
   std::span<const std::byte> from_;
 };

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-namespace macula::scheduling {
+#include "server/scheduling/bytes.h"
 
-using Bytes = std::vector<std::byte>;
+namespace macula::scheduling {
 
 /// What every rank gave, one after the other.
 class Gathered {
@@ -42,7 +42,8 @@ class RankGroup {
   virtual int rank() const = 0;
   virtual int size() const = 0;
 
-  /// Every rank gets what all ranks gave. False: a rank was lost.
+  /// Every rank gets what all ranks gave, into room made for it; where there is none, ranks tell
+  /// each other sizes first. False: a rank was lost.
   [[nodiscard]] virtual bool all_gather(const Bytes& mine, Gathered& all) = 0;
   /// Rank 0 alone gets it, into room made for it; the others' `all` is not touched.
   [[nodiscard]] virtual bool gather(const Bytes& mine, Gathered& all) = 0;

@@ -26,6 +26,15 @@ struct ReflectorBatch {
     alpha.copy(first, from.alpha, count);
     lobe = from.lobe;
   }
+  /// Takes one of `from` over as entry i.
+  void take(std::size_t i, const ReflectorBatch& from, std::size_t one) {
+    shading.set(i, from.shading[one]), geometric.set(i, from.geometric[one]);
+    to_eye.set(i, from.to_eye[one]), diffuse.set(i, from.diffuse[one]);
+    f0.set(i, from.f0[one]), reflectance.set(i, from.reflectance[one]);
+    f90.at[i] = from.f90.at[one], cos_v.at[i] = from.cos_v.at[one];
+    alpha.at[i] = from.alpha.at[one];
+    lobe = from.lobe;
+  }
   void set(std::size_t i, const Reflector& reflector) {
     shading.set(i, reflector.frame_.shading);
     geometric.set(i, reflector.frame_.geometric);

@@ -212,9 +212,11 @@ std::string MpiRanks::lost() const {
 bool MpiRanks::all_gather(const Bytes& mine, Gathered& all) {
   if (group_->is_lost()) return false;
   ++group_->meetings;
-  std::vector<std::uint64_t> told;
-  if (!group_->tell_sizes(mine.size(), told)) return false;
-  all = Gathered(std::vector<std::size_t>(told.begin(), told.end()));
+  if (all.ranks() == 0) {
+    std::vector<std::uint64_t> told;
+    if (!group_->tell_sizes(mine.size(), told)) return false;
+    all = Gathered(std::vector<std::size_t>(told.begin(), told.end()));
+  }
   const Layout layout = layout_of(all);
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Iallgatherv(mine.data(), count_of(mine.size()), MPI_BYTE, start_of(all), layout.counts.data(),

@@ -13,28 +13,12 @@ namespace {
 constexpr std::uint32_t kAreaDimension = 0x8000'0000U;
 constexpr std::uint32_t kFirstBlending = 0x8000'0011U;
 
-void copy(const sampling::Vec3Batch& from, std::size_t i, sampling::Vec3Batch& to, std::size_t k) {
-  to.x[k] = from.x[i], to.y[k] = from.y[i], to.z[k] = from.z[i];
-}
-void copy(const shading::ReflectorBatch& from, std::size_t i, shading::ReflectorBatch& to,
-          std::size_t k) {
-  copy(from.shading, i, to.shading, k);
-  copy(from.geometric, i, to.geometric, k);
-  copy(from.to_eye, i, to.to_eye, k);
-  copy(from.diffuse, i, to.diffuse, k);
-  copy(from.f0, i, to.f0, k);
-  copy(from.reflectance, i, to.reflectance, k);
-  to.f90.at[k] = from.f90.at[i];
-  to.cos_v.at[k] = from.cos_v.at[i];
-  to.alpha.at[k] = from.alpha.at[i];
-}
-
 }  // namespace
 
 void LightQuestions::push(const ray::LitPoints& points, std::size_t point, const Ask& ask) {
   MACULA_DCHECK(!full() && point < points.count);
-  copy(points.position, point, position_, count_);
-  copy(points.reflectors, point, reflectors_, count_);
+  position_.set(count_, points.position[point]);
+  reflectors_.take(count_, points.reflectors, point);
   draws_.light.at[count_] = ask.light;
   draws_.inverse_probability.at[count_] = ask.inverse_probability;
   u_.x[count_] = ask.u.x, u_.y[count_] = ask.u.y;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/kernels/lightcuts/surface_parcel.h"
 #include "server/kernels/ray/shading_point.h"
 #include "server/kernels/ray/surface_stage.h"
 
@@ -187,23 +188,6 @@ class TileShot {
   std::array<sampling::SampleKey, sampling::kBatch> keys_;
 };
 
-void carry_reflectors(shading::ReflectorBatch& batch, std::size_t n, Parcel& parcel) {
-  for (auto* each : {&batch.shading, &batch.geometric, &batch.to_eye, &batch.diffuse, &batch.f0,
-                     &batch.reflectance}) {
-    kernels::carry(*each, n, parcel);
-  }
-  for (auto* each : {&batch.f90, &batch.cos_v, &batch.alpha}) kernels::carry(*each, n, parcel);
-}
-
-void copy_reflector(const shading::ReflectorBatch& from, std::size_t point,
-                    shading::ReflectorBatch& to, std::size_t i) {
-  to.shading.set(i, from.shading[point]), to.geometric.set(i, from.geometric[point]);
-  to.to_eye.set(i, from.to_eye[point]), to.diffuse.set(i, from.diffuse[point]);
-  to.f0.set(i, from.f0[point]), to.reflectance.set(i, from.reflectance[point]);
-  to.f90.at[i] = from.f90.at[point], to.cos_v.at[i] = from.cos_v.at[point];
-  to.alpha.at[i] = from.alpha.at[point];
-}
-
 void lay_out(const PixelGrid& grid, ViewSurfaces& view) {
   constexpr int kSide = ray::kTileSide;
   view.width = grid.width(), view.height = grid.height();
@@ -232,34 +216,21 @@ void append(const SurfaceTile& from, std::size_t point, SurfaceTile& to) {
   const std::size_t i = points.count++;
   points.position.set(i, old.position[point]);
   points.ray_origin.set(i, old.ray_origin[point]);
-  copy_reflector(old.reflectors, point, points.reflectors, i);
+  points.reflectors.take(i, old.reflectors, point);
   points.keys[i] = old.keys[point];
   if (points.keeps_whole) points.whole.push_back(old.whole[point]);
   to.cell_of[i] = from.cell_of[point];
 }
 
-void carry(SurfaceTile& tile, Parcel& parcel) {
-  ray::LitPoints& points = tile.points;
-  parcel.value(points.count), parcel.value(points.sample), parcel.value(points.keeps_whole);
-  const std::size_t n = points.count;
-  kernels::carry(points.position, n, parcel);
-  kernels::carry(points.ray_origin, n, parcel);
-  carry_reflectors(points.reflectors, n, parcel);
-  parcel.vector(points.whole);
-  parcel.values(std::span(points.keys, n));
-  parcel.vector(points.cut_nodes);
-  parcel.vector(points.light_class);
-  parcel.values(std::span<std::uint16_t>(tile.cell_of).first(n));
-  parcel.values(std::span<std::uint16_t>(tile.point_of));
+void give_keys(const PixelGrid& grid, std::uint64_t seed, std::uint64_t frame, SurfaceTile& tile) {
+  for (std::size_t i = 0; i < tile.points.count; ++i) {
+    const image::Pixel at = tile.pixel(i);
+    tile.points.keys[i] = {seed, frame, grid.cell_key(at.x, at.y)};
+  }
 }
 
 void give_keys(const PixelGrid& grid, std::uint64_t seed, std::uint64_t frame, ViewSurfaces& view) {
-  for (SurfaceTile& tile : view.tiles) {
-    for (std::size_t i = 0; i < tile.points.count; ++i) {
-      const image::Pixel at = tile.pixel(i);
-      tile.points.keys[i] = {seed, frame, grid.cell_key(at.x, at.y)};
-    }
-  }
+  for (SurfaceTile& tile : view.tiles) give_keys(grid, seed, frame, tile);
 }
 
 FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,
@@ -277,8 +248,7 @@ FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,
         [&](std::size_t k) { parts[k] = TileShot(shot, view.tiles[k], out.views[v]).run(); },
         [&](std::size_t k, Parcel& parcel) {
           kernels::carry(parts[k], parcel);
-          kernels::carry(out.views[v], view.tiles[k].rect, parcel);
-          carry(view.tiles[k], parcel);
+          carry(view.tiles[k], {request, request.views[v].grid, out.views[v]}, parcel);
         });
     for (const FrameReport& part : parts) report += part;
     report.stopped |= outcome == scheduling::Outcome::Stopped;

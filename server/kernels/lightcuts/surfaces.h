@@ -44,9 +44,6 @@ struct SurfaceAt {
   Vec3 normal() const { return points->reflectors.shading[index]; }
 };
 
-/// For another rank; whole vectors are filled before they are read there, too.
-void carry(SurfaceTile& tile, scheduling::Parcel& parcel);
-
 struct ViewSurfaces {
   int columns = 0;  ///< tiles in a row of tiles
   int width = 0, height = 0;
@@ -82,7 +79,8 @@ scheduling::Outcome for_each_point(const ViewSurfaces& view, const scheduling::R
   });
 }
 
-/// What is drawn at the view's points from now on has these random numbers.
+/// What is drawn at these points from now on has these random numbers.
+void give_keys(const PixelGrid& grid, std::uint64_t seed, std::uint64_t frame, SurfaceTile& tile);
 void give_keys(const PixelGrid& grid, std::uint64_t seed, std::uint64_t frame, ViewSurfaces& view);
 
 /// Traces the centre (or, jittered, one random point) of every cell. Writes to prepared buffers:

@@ -9,6 +9,7 @@
 namespace macula::test {
 namespace {
 
+using scheduling::Bytes;
 using scheduling::Parcel;
 
 image::Plane<float> numbered(int width, int height, float first) {
@@ -27,7 +28,7 @@ TEST(Parcel, CarriesTheCellsThatAMaskWantsAndLeavesTheOthersAlone) {
     image::Plane<float> sent = numbered(kWidth, kHeight, 1000.0F);
     const image::Plane<float> before = numbered(kWidth, kHeight, 0.0F);
     image::Plane<float> got = before;
-    std::vector<std::byte> bytes;
+    Bytes bytes;
     std::size_t weight = 0;
     Parcel::weighing(weight).masked(sent, rect, mask, wanted);
     Parcel::packing(bytes).masked(sent, rect, mask, wanted);
@@ -48,7 +49,7 @@ TEST(Parcel, CarriesTheCellsThatAMaskWantsAndLeavesTheOthersAlone) {
 
 TEST(Parcel, AMaskThatWantsNothingCarriesNothing) {
   image::Plane<float> plane = numbered(8, 8, 0.0F);
-  std::vector<std::byte> bytes;
+  Bytes bytes;
   Parcel::packing(bytes).masked(plane, {0, 0, 8, 8}, image::Plane<std::uint8_t>(8, 8, 0), 1);
   EXPECT_TRUE(bytes.empty());
 }
