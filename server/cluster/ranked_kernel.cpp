@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "server/cluster/frame_order.h"
-#include "server/scheduling/cpu_time.h"
 #include "shared/base/check.h"
+#include "shared/base/cpu_time.h"
 
 namespace macula::cluster {
 
@@ -57,7 +57,7 @@ kernels::FrameReport render_shared(scheduling::RankGroup& ranks, scheduling::Bal
                                    scheduling::TileScheduler& scheduler, kernels::FrameBuffers& out,
                                    const FrameWatcher& watcher) {
   const auto begin = std::chrono::steady_clock::now();
-  const double begin_cpu = scheduling::thread_cpu_ms();
+  const double begin_cpu = base::thread_cpu_ms();
   const std::vector<kernels::View> last =
       std::exchange(memory.views, {request.views.begin(), request.views.end()});
   memory.forecast.begin_frame(turned(request.views, last));
@@ -68,8 +68,7 @@ kernels::FrameReport render_shared(scheduling::RankGroup& ranks, scheduling::Bal
   if (report.stopped) memory.forecast = {};
   if (watcher) {
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
-    watcher({sharing.passes(), wall.count(), scheduling::thread_cpu_ms() - begin_cpu,
-             sharing.body_ms()});
+    watcher({sharing.passes(), wall.count(), base::thread_cpu_ms() - begin_cpu, sharing.body_ms()});
   }
   return report;
 }

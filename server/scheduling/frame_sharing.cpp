@@ -5,10 +5,10 @@
 #include <mutex>
 #include <utility>
 
-#include "server/scheduling/cpu_time.h"
 #include "server/scheduling/rank_group.h"
 #include "server/scheduling/tile_scheduler.h"
 #include "shared/base/check.h"
+#include "shared/base/cpu_time.h"
 
 namespace macula::scheduling {
 namespace {
@@ -52,9 +52,9 @@ struct FrameSharing::Own {
   std::atomic<bool> left_out{false};
 
   void run(std::size_t slot, const TileBody& body) {
-    const double begin = thread_cpu_ms();
+    const double begin = base::thread_cpu_ms();
     body(tiles[slot].tile);
-    tiles[slot].cost_ms = static_cast<float>(thread_cpu_ms() - begin);
+    tiles[slot].cost_ms = static_cast<float>(base::thread_cpu_ms() - begin);
   }
 };
 
@@ -84,9 +84,9 @@ void FrameSharing::run_by_ticket(TileScheduler& scheduler, const TileBody& body,
       if (leaves(stop, own)) return;
       const std::size_t ticket = ranks_.take_ticket();
       if (ticket >= count) return;
-      const double begin = thread_cpu_ms();
+      const double begin = base::thread_cpu_ms();
       body(ticket);
-      const auto cost = static_cast<float>(thread_cpu_ms() - begin);
+      const auto cost = static_cast<float>(base::thread_cpu_ms() - begin);
       std::lock_guard lock(mutex);
       taken.push_back({static_cast<std::uint32_t>(ticket), cost});
     }
@@ -96,7 +96,7 @@ void FrameSharing::run_by_ticket(TileScheduler& scheduler, const TileBody& body,
 
 bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
                             PassRecord& record, bool& stopped) {
-  const double begin_pack = thread_cpu_ms();
+  const double begin_pack = base::thread_cpu_ms();
   Bytes& payload = payload_;
   payload.clear();
   Parcel packing = Parcel::packing(payload);
@@ -120,10 +120,10 @@ bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, 
   Bytes summary;
   Parcel telling = Parcel::packing(summary);
   mine.carry(telling);
-  record.pack_ms += thread_cpu_ms() - begin_pack;
+  record.pack_ms += base::thread_cpu_ms() - begin_pack;
 
   const auto begin = Clock::now();
-  const double begin_exchange = thread_cpu_ms();
+  const double begin_exchange = base::thread_cpu_ms();
   Gathered summaries;
   if (!ranks_.all_gather(summary, summaries)) return false;
   std::vector<Summary> all;
@@ -141,10 +141,10 @@ bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, 
   if (!(everyone ? ranks_.all_gather(payload, payloads) : ranks_.gather(payload, payloads)))
     return false;
   record.exchange_ms = ms_since(begin);
-  record.exchange_cpu_ms = thread_cpu_ms() - begin_exchange;
+  record.exchange_cpu_ms = base::thread_cpu_ms() - begin_exchange;
   record.bytes_sent = payload.size();
 
-  const double begin_unpack = thread_cpu_ms();
+  const double begin_unpack = base::thread_cpu_ms();
   std::size_t arrived = 0;
   std::vector<bool> seen(pass.tiles.size(), false);
   record.rank_costs_ms.assign(all.size(), 0.0);
@@ -164,7 +164,7 @@ bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, 
     MACULA_CHECK(unpacking.left() == 0, "a rank sends what its tiles leave behind, and no more");
   }
   MACULA_CHECK(arrived == pass.tiles.size(), "no tile is lost");
-  record.pack_ms += thread_cpu_ms() - begin_unpack;
+  record.pack_ms += base::thread_cpu_ms() - begin_unpack;
   return true;
 }
 
@@ -218,17 +218,17 @@ void FrameSharing::pack_rows(const RowTrade& trade, const RowOutputs& outputs, P
 
 bool FrameSharing::trade(const RowTrade& trade, const RowOutputs& outputs, PassRecord record) {
   const auto own = static_cast<std::size_t>(ranks_.rank());
-  const double begin_pack = thread_cpu_ms();
+  const double begin_pack = base::thread_cpu_ms();
   std::vector<Bytes>& each = rows_;
   each.resize(trade.makes.size());
   for (Bytes& bytes : each) bytes.clear();
   pack_rows(trade, outputs, record, each);
-  record.pack_ms = thread_cpu_ms() - begin_pack;
+  record.pack_ms = base::thread_cpu_ms() - begin_pack;
   const auto begin = Clock::now();
   Gathered from;
   if (!ranks_.trade(each, from)) return false;
   record.exchange_ms = ms_since(begin);
-  const double begin_unpack = thread_cpu_ms();
+  const double begin_unpack = base::thread_cpu_ms();
   record.exchange_cpu_ms = begin_unpack - begin_pack - record.pack_ms;
   record.over_rows = true;
   record.extra = trade.extra;
@@ -242,7 +242,7 @@ bool FrameSharing::trade(const RowTrade& trade, const RowOutputs& outputs, PassR
     for (int y = rows.begin; y < rows.end; ++y) outputs(y, unpacking);
     MACULA_CHECK(unpacking.left() == 0, "a rank sends the rows that are read, and no more");
   }
-  record.pack_ms += thread_cpu_ms() - begin_unpack;
+  record.pack_ms += base::thread_cpu_ms() - begin_unpack;
   passes_.push_back(std::move(record));
   return true;
 }

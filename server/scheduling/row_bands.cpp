@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "server/scheduling/cpu_time.h"
 #include "server/scheduling/rank_group.h"
+#include "shared/base/cpu_time.h"
 
 namespace macula::scheduling {
 
@@ -36,9 +36,9 @@ Rows RowBands::wide(const Rows& rows, int reach) const {
 }
 
 void RowBands::run_timed(const Rows& rows, const std::function<void(const Rows&)>& body) {
-  const double begin = thread_cpu_ms();
+  const double begin = base::thread_cpu_ms();
   body(rows);
-  const double each_ms = (thread_cpu_ms() - begin) / rows.count();
+  const double each_ms = (base::thread_cpu_ms() - begin) / rows.count();
   for (int y = rows.begin; y < rows.end; ++y)
     costs_ms_[static_cast<std::size_t>(y)] += static_cast<float>(each_ms);
 }

@@ -11,8 +11,8 @@
 #include <optional>
 #include <thread>
 
-#include "server/scheduling/cpu_time.h"
 #include "server/scheduling/frame_sharing.h"
+#include "shared/base/cpu_time.h"
 
 namespace macula::scheduling {
 namespace {
@@ -74,7 +74,7 @@ Outcome TileScheduler::run_erased(std::size_t count, void* context,
   std::atomic<bool> left_out{false};
   const auto run_range = [&](const tbb::blocked_range<std::size_t>& range) {
     const FlushDenormals flush;
-    const double begin_ms = sharing_ != nullptr ? thread_cpu_ms() : 0.0;
+    const double begin_ms = sharing_ != nullptr ? base::thread_cpu_ms() : 0.0;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       if (stop.stop_requested()) {
         left_out.store(true, std::memory_order_relaxed);
@@ -82,7 +82,7 @@ Outcome TileScheduler::run_erased(std::size_t count, void* context,
       }
       body(context, i);
     }
-    if (sharing_ != nullptr) sharing_->add_body_ms(thread_cpu_ms() - begin_ms);
+    if (sharing_ != nullptr) sharing_->add_body_ms(base::thread_cpu_ms() - begin_ms);
   };
   // One tile a task: tiles are some 0.1 ms to 10 ms of work, a task costs less than a microsecond.
   arena_->tbb.execute([&] {

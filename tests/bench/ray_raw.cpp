@@ -6,7 +6,7 @@
 #include "server/sampling/frame.h"
 #include "server/sampling/mappings.h"
 #include "server/sampling/sample.h"
-#include "server/scheduling/cpu_time.h"
+#include "shared/base/cpu_time.h"
 
 namespace macula::bench {
 namespace {
@@ -47,9 +47,9 @@ class RawTile {
  private:
   template <class Query>
   void timed(Query&& query) {
-    const double begin = scheduling::thread_cpu_ms();
+    const double begin = base::thread_cpu_ms();
     query();
-    work_.cpu_ms += scheduling::thread_cpu_ms() - begin;
+    work_.cpu_ms += base::thread_cpu_ms() - begin;
   }
 
   void make_primary() {

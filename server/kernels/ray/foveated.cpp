@@ -12,8 +12,8 @@
 #include "server/kernels/ray/sampling_mask.h"
 #include "server/kernels/ray/support.h"
 #include "server/kernels/ray/tile.h"
-#include "server/scheduling/cpu_time.h"
 #include "shared/base/check.h"
+#include "shared/base/cpu_time.h"
 
 namespace macula::kernels::ray {
 namespace {
@@ -49,9 +49,9 @@ class Stage {
   template <class Body>
   static auto timed(Body& body, std::vector<double>& spent) {
     return [&body, &spent](std::size_t index) {
-      const double begin = scheduling::thread_cpu_ms();
+      const double begin = base::thread_cpu_ms();
       body(index);
-      spent[index] = scheduling::thread_cpu_ms() - begin;
+      spent[index] = base::thread_cpu_ms() - begin;
     };
   }
 
@@ -110,9 +110,9 @@ class ViewFrame {
  private:
   void choose() {
     prepare_fresh();
-    const double begin = scheduling::thread_cpu_ms();
+    const double begin = base::thread_cpu_ms();
     mask_.choose(probability_, request_.frame, request_.seed, config_.foveated, scheduler_);
-    report_.mask_ms += scheduling::thread_cpu_ms() - begin;
+    report_.mask_ms += base::thread_cpu_ms() - begin;
   }
 
   void keep_to_budget() {
@@ -209,7 +209,7 @@ class ViewFrame {
   }
 
   Outcome resample() {
-    const double begin = scheduling::thread_cpu_ms();
+    const double begin = base::thread_cpu_ms();
     Plane<float> scores(support_.broken.width(), support_.broken.height(), 0.0F);
     if (remembers_) {
       scores = resampling_scores(
@@ -218,7 +218,7 @@ class ViewFrame {
     }
     mask_.resample(remembers_ ? &memory_.now : nullptr, scores, request_.frame, config_.foveated,
                    scheduler_);
-    report_.mask_ms += scheduling::thread_cpu_ms() - begin;
+    report_.mask_ms += base::thread_cpu_ms() - begin;
     report_.resampled_cells += mask_.counts().resampled;
     return trace(mask_.resampled());
   }
