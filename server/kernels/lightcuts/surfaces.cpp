@@ -188,6 +188,21 @@ class TileShot {
   std::array<sampling::SampleKey, sampling::kBatch> keys_;
 };
 
+/// All views are one pass: ranks meet once, and the last tiles of one view run beside the first of
+/// the next.
+struct TileOfView {
+  std::size_t view;
+  SurfaceTile* tile;
+};
+std::vector<scheduling::TilePlace> places_of(const std::vector<ViewSurfaces>& surfaces) {
+  std::vector<scheduling::TilePlace> all;
+  for (std::size_t v = 0; v < surfaces.size(); ++v) {
+    const auto places = surfaces[v].places(v);
+    all.insert(all.end(), places.begin(), places.end());
+  }
+  return all;
+}
+
 void lay_out(const PixelGrid& grid, ViewSurfaces& view) {
   constexpr int kSide = ray::kTileSide;
   view.width = grid.width(), view.height = grid.height();
@@ -236,23 +251,29 @@ void give_keys(const PixelGrid& grid, std::uint64_t seed, std::uint64_t frame, V
 FrameReport trace_surfaces(const FrameRequest& request, const SceneFrame& scene,
                            const ray::Config& config, TileScheduler& scheduler,
                            std::vector<ViewSurfaces>& surfaces, FrameBuffers& out) {
-  FrameReport report;
   surfaces.resize(request.views.size());
+  std::vector<Shot> shots;
+  std::vector<TileOfView> tiles;
   for (std::size_t v = 0; v < surfaces.size(); ++v) {
-    ViewSurfaces& view = surfaces[v];
-    lay_out(request.views[v].grid, view);
-    const Shot shot(request, request.views[v], scene, config, out.wanted);
-    std::vector<FrameReport> parts(view.tiles.size());
-    const auto outcome = scheduling::run_shared(
-        scheduler, parts.size(), Audience::EveryRank, [&] { return view.places(v); },
-        [&](std::size_t k) { parts[k] = TileShot(shot, view.tiles[k], out.views[v]).run(); },
-        [&](std::size_t k, Parcel& parcel) {
-          kernels::carry(parts[k], parcel);
-          carry(view.tiles[k], {request, request.views[v].grid, out.views[v]}, parcel);
-        });
-    for (const FrameReport& part : parts) report += part;
-    report.stopped |= outcome == scheduling::Outcome::Stopped;
+    lay_out(request.views[v].grid, surfaces[v]);
+    shots.emplace_back(request, request.views[v], scene, config, out.wanted);
+    for (SurfaceTile& tile : surfaces[v].tiles) tiles.push_back({v, &tile});
   }
+  std::vector<FrameReport> parts(tiles.size());
+  const auto outcome = scheduling::run_shared(
+      scheduler, tiles.size(), Audience::EveryRank, [&] { return places_of(surfaces); },
+      [&](std::size_t k) {
+        const auto& [v, tile] = tiles[k];
+        parts[k] = TileShot(shots[v], *tile, out.views[v]).run();
+      },
+      [&](std::size_t k, Parcel& parcel) {
+        const auto& [v, tile] = tiles[k];
+        kernels::carry(parts[k], parcel);
+        carry(*tile, {request, request.views[v].grid, out.views[v]}, parcel);
+      });
+  FrameReport report;
+  for (const FrameReport& part : parts) report += part;
+  report.stopped = outcome == scheduling::Outcome::Stopped;
   return report;
 }
 
