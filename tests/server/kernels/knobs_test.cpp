@@ -44,7 +44,8 @@ TEST(Knobs, AValueOutOfRangeAnswersWithWhatIsAllowed) {
   for (const char* knobs : {"samples=0", "samples=four", "samples=4.5", "samples=4x", "samples=-1",
                             "budget=nan", "method=fast", "k_max=0.01"})
     EXPECT_FALSE(turned("ray", knobs)) << knobs;
-  EXPECT_FALSE(turned("culling", "classes=3"));
+  for (const char* knobs : {"classes=3", "kept=0", "points=0", "map=0"})
+    EXPECT_FALSE(turned("culling", knobs)) << knobs;
 }
 
 }  // namespace

@@ -60,9 +60,9 @@ TEST(ShadingPoints, FollowTheImportanceAndNeverLieWhereThereIsNone) {
   const Plane<float> importance = uneven_importance();
   std::vector<Pixel> drawn;
   for (std::uint64_t frame = 0; frame < 2000; ++frame)
-    for (const Pixel& cell : draw_systematically(importance, 8, random(frame, 1)))
+    for (const Pixel& cell : draw_systematically(importance, 500, random(frame, 1)))
       drawn.push_back(cell);
-  ASSERT_EQ(drawn.size(), 16000U);
+  ASSERT_EQ(drawn.size(), 1'000'000U);
   for (const Pixel& cell : drawn) ASSERT_GT(importance(cell.x, cell.y), 0.0F);
   EXPECT_LT(reduced_chi_square(importance, drawn), 1.5);
 }
@@ -125,6 +125,69 @@ TEST(StochasticCulling, KeepsAllLightOnAverageAndUnweightedLosesIt) {
   config.weights = CullWeights::None;
   const Kept unweighted = kept_share(config);
   EXPECT_GT(std::abs(unweighted.mean - 1.0), 4.0 * unweighted.error + 0.1);
+}
+
+/// What `lights` bring to the points, nothing hidden, luminance in W/m^2.
+std::vector<double> irradiances(std::span<const VirtualPointLight> lights,
+                                std::span<const ShadingPoint> points) {
+  std::vector<double> sums(points.size(), 0.0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (const VirtualPointLight& light : lights) {
+      const auto arrival = lights::arriving(light, DVec3(points[i].position), 0.02);
+      if (!arrival) continue;
+      const float cosine = std::max(glm::dot(points[i].normal, arrival->to_light), 0.0F);
+      sums[i] += static_cast<double>(cosine * image::luminance(arrival->irradiance));
+    }
+  }
+  return sums;
+}
+
+/// Points at which the mean over culled sets is more than four standard errors off every light's.
+int points_off(std::span<const VirtualPointLight> lights, std::span<const float> contribution,
+               std::span<const ShadingPoint> points, const Config& config) {
+  constexpr int kSets = 400;
+  const std::vector<double> all = irradiances(lights, points);
+  std::vector<double> sum(points.size(), 0.0), square(points.size(), 0.0);
+  for (std::uint64_t set = 0; set < kSets; ++set) {
+    const auto now = irradiances(cull(lights, contribution, config, random(set, 3)), points);
+    for (std::size_t i = 0; i < now.size(); ++i) sum[i] += now[i], square[i] += now[i] * now[i];
+  }
+  int off = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double mean = sum[i] / kSets;
+    const double error = std::sqrt(std::max(square[i] / kSets - mean * mean, 0.0) / kSets);
+    off += std::abs(mean - all[i]) > 4.0 * error + 1e-5 * all[i] ? 1 : 0;
+  }
+  return off;
+}
+
+// 64 points on a floor under a lit wall, a few of which told the contributions: the others were
+// never asked, and still have all the light on average.
+TEST(StochasticCulling, IrradianceUnderCulledSetsIsEveryLightsOnAverageAndUnweightedItIsNot) {
+  std::vector<VirtualPointLight> lights(512);
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    lights[i].position = DVec3{4.0 * random(i, 0), 3.0 * random(i, 1), 0.0};
+    lights[i].normal = Vec3{0, 0, 1};
+    lights[i].footprint_m = 0.05F;
+    lights[i].flux = Rgb{0.2F + random(i, 2)};
+  }
+  std::vector<ShadingPoint> points;
+  for (std::uint64_t i = 0; i < 64; ++i) {
+    const Vec3 place{4.0F * random(i, 4), 0.0F, 0.2F + 3.0F * random(i, 5)};
+    points.push_back({place, Vec3{0, 1, 0}, 1.0F, 0.5F});
+  }
+  const auto loaded = scene::load_scene("cornell");
+  ASSERT_TRUE(loaded);
+  const auto frame = SceneFrame::create(*loaded);
+  ASSERT_TRUE(frame);
+  Config config;
+  config.kept = 64, config.visibility_rays = 0;
+  scheduling::TileScheduler scheduler(1);
+  const auto told =
+      contributions(**frame, lights, std::span(points).first(4), config, 0.02, 0, scheduler);
+  EXPECT_LE(points_off(lights, told.unhidden, points, config), 1);
+  config.weights = CullWeights::None;
+  EXPECT_GT(points_off(lights, told.unhidden, points, config), 48);
 }
 
 TEST(StochasticCulling, KeepsNoMoreThanItMayAndAllWhereItMay) {
