@@ -25,14 +25,17 @@ Run declare_culling(CLI::App& command, Pace pace) {
       ->delimiter(',')
       ->check(CLI::IsMember({"static", "light", "object", "both"}))
       ->option_text("static,light,object,both (all)");
-  command.add_option("--methods", options->methods, "What to measure (all; see below)")
+  command.add_option("--methods", options->methods, "What to measure, see below")
       ->delimiter(',')
-      ->option_text("NAME,...");
+      ->option_text(pace == Pace::Quick ? "NAME,... (flc,flc_fast,flc_rays,fir,power,tree,all_vpls)"
+                                        : "NAME,... (all)");
   command.add_option("--kept", options->kept, "Virtual lights that are kept")
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20))
       ->option_text("K,... (256,512,1024,2048,4096)");
-  command.add_option("--rivals-kept", options->rivals_kept, "By fir and power")
+  command
+      .add_option("--rivals-kept", options->rivals_kept,
+                  "By fir and power; an eighth by flc_rays and tree, which ask in every pixel")
       ->delimiter(',')
       ->check(CLI::Range(1, 1 << 20))
       ->option_text(pace == Pace::Quick ? "K,... (768,2048)" : "K,... (as --kept)");
@@ -77,10 +80,12 @@ Run declare_culling(CLI::App& command, Pace pace) {
       "noise alone). from_vpls_ and brightness_error_pct are told against every virtual light.\n"
       "all_vpls is timed at a 64th of the pixels, flc_no_classes at a sixteenth; their time is "
       "that\n"
-      "of the whole picture. A second table compares at equal CPU time: the curves of fir and "
-      "power\n"
-      "over what they keep are read at each method's time, straight in logarithms between points;\n"
-      "beyond the last, variance is taken to fall on, which favours them. Methods:\n" +
+      "of the whole picture. A second table compares at equal CPU time: the curves of fir, power,\n"
+      "flc_rays and tree over what they keep are read at each method's time, straight in "
+      "logarithms\n"
+      "between points; beyond the last, variance is taken to fall on, which favours them. Above 1 "
+      "the\n"
+      "method is nearer. Methods:\n" +
       methods);
   return [options]() -> Result<void> { return run_culling(*options); };
 }

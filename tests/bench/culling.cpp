@@ -69,6 +69,10 @@ class Comparison {
                                   PictureCache(options_.references), scheduler_);
     if (!halves) return forward(halves);
     judge_.emplace(judged_, std::move(*halves));
+    if (!(judge_->reference_luminance() > 0.0)) {
+      return base::bad_input("the lamp above the eye lights nothing that it sees", stem_,
+                             "a scene whose first camera looks into a room from within");
+    }
     setting_.set_exposure(judge_->tone().exposure_ev);
     for (int k = options_.warm_up; k <= judged_frame(); ++k) {
       const auto frame = all_lights_at(judged_.pixels, k, setting_, all_config_, scheduler_);
@@ -199,8 +203,9 @@ Result<std::vector<Wanted>> wanted(const CullingOptions& options) {
   const auto add = [&](const CullingMethod& method) {
     if (method.rendering == Rendering::Blocks) return all.push_back({&method, 0});
     const bool reads_off = is_rival(method.name) && !options.rivals_kept.empty();
+    const double share = reads_off ? method.lights_at_equal_time : 1.0;
     for (const int kept : reads_off ? options.rivals_kept : options.kept)
-      all.push_back({&method, kept});
+      all.push_back({&method, std::max(static_cast<int>(share * kept), 1)});
   };
   if (options.methods.empty())
     for (const CullingMethod& method : culling_methods()) add(method);
@@ -217,6 +222,7 @@ Result<std::vector<Wanted>> wanted(const CullingOptions& options) {
 void make_quick(CullingOptions& options) {
   options.side_px = 512;
   options.motions = {"both"};
+  options.methods = {"flc", "flc_fast", "flc_rays", "fir", "power", "tree", "all_vpls"};
   options.kept = {1024}, options.rivals_kept = {768, 2048};
   options.judged = 256, options.reference_samples = 2048;
   options.warm_up = 2, options.frames = 2;

@@ -14,7 +14,8 @@ struct CullingOptions {
   std::vector<std::string> motions{"static", "light", "object", "both"};
   std::vector<std::string> methods;  ///< empty: all of culling_methods()
   std::vector<int> kept{256, 512, 1024, 2048, 4096};
-  /// Of the rivals fir and power, whose errors are read off at other methods' times; empty: kept.
+  /// Of the rivals, whose errors are read off at other methods' times, by one that takes flc's time
+  /// for each (the others: so many times lights_at_equal_time); empty: kept.
   std::vector<int> rivals_kept;
   int side_px = 1024;
   int judged = 1024;             ///< pixels inside the fovea, and as many outside
@@ -28,8 +29,8 @@ struct CullingOptions {
   std::string json;              ///< rows that it holds already are not measured again; empty: none
 };
 
-/// 512 x 512, everything moves, one number of lights (two of rivals), fewer frames, pixels and
-/// paths.
+/// 512 x 512, everything moves, the methods that answer who is nearest at equal time, one number of
+/// lights (two of rivals), fewer frames, pixels and paths.
 void make_quick(CullingOptions& options);
 
 Result<void> run_culling(const CullingOptions& options);

@@ -10,7 +10,7 @@
 namespace macula::bench {
 namespace {
 
-constexpr std::array<std::string_view, 2> kRivals{"fir", "power"};
+constexpr std::array<std::string_view, 4> kRivals{"fir", "power", "flc_rays", "tree"};
 
 double number_in(const Fields& row, const std::string& key) {
   const Value value = value_in(row, key);
@@ -45,6 +45,37 @@ std::optional<double> over(const Fields& row, const std::vector<Fields>& rows,
   return square ? std::optional(std::sqrt(*square) / own) : std::nullopt;
 }
 
+bool same_pair(const Fields& a, const Fields& b) {
+  return text_in(a, "method") == text_in(b, "method") &&
+         text_in(a, "rival") == text_in(b, "rival") &&
+         value_in(a, "asked_for") == value_in(b, "asked_for");
+}
+
+/// Over the rows of one method and rival, a row for each pair that has several.
+std::vector<Fields> means_of(const std::vector<Fields>& told) {
+  std::vector<Fields> means;
+  for (const Fields& first : told) {
+    const auto of_pair = [&](const Fields& other) { return same_pair(first, other); };
+    if (std::ranges::any_of(means, of_pair)) continue;
+    const auto count = static_cast<double>(std::ranges::count_if(told, of_pair));
+    if (count < 2.0) continue;
+    double inside = 0.0, outside = 0.0;
+    for (const Fields& other : told) {
+      if (!of_pair(other)) continue;
+      inside += std::log(number_in(other, "over_in150")) / count;
+      outside += std::log(number_in(other, "over_out150")) / count;
+    }
+    means.push_back({{"scene", std::string("(mean)")},
+                     {"motion", std::string("")},
+                     {"method", text_in(first, "method")},
+                     {"asked_for", value_in(first, "asked_for")},
+                     {"rival", text_in(first, "rival")},
+                     {"over_in150", std::exp(inside)},
+                     {"over_out150", std::exp(outside)}});
+  }
+  return means;
+}
+
 }  // namespace
 
 bool is_rival(std::string_view method) {
@@ -57,6 +88,7 @@ std::vector<Fields> errors_at_equal_time(const std::vector<Fields>& rows) {
     const std::string method = text_in(row, "method");
     if (!method.starts_with("flc")) continue;
     for (const std::string_view rival : kRivals) {
+      if (rival == method) continue;
       const auto inside = over(row, rows, rival, "rmse_in150");
       const auto outside = over(row, rows, rival, "rmse_out150");
       if (!inside || !outside) continue;
@@ -69,6 +101,8 @@ std::vector<Fields> errors_at_equal_time(const std::vector<Fields>& rows) {
                       {"over_out150", *outside}});
     }
   }
+  const std::vector<Fields> means = means_of(told);
+  told.insert(told.end(), means.begin(), means.end());
   return told;
 }
 

@@ -11,14 +11,15 @@
 
 namespace macula::bench {
 
-/// fir and power.
+/// fir, power, flc_rays and tree.
 bool is_rival(std::string_view method);
 
-/// A row for every row of a culling method ("flc...") and each rival (fir, power) of its scene and
-/// motion that has two points or more: the rival's RMSE at the method's time over the method's own,
+/// A row for every row of a culling method ("flc...") and each other rival of its scene and motion
+/// that has two points or more: the rival's RMSE at the method's time over the method's own,
 /// in the fovea and outside; above 1 the method is nearer. Between points a curve is straight in
 /// logarithms, beyond the last variance goes on falling with time (which favours the rival); times
-/// before the first have no row.
+/// before the first have no row. Where a method met a rival more than once, a last row has the
+/// geometric means.
 std::vector<Fields> errors_at_equal_time(const std::vector<Fields>& rows);
 
 }  // namespace macula::bench

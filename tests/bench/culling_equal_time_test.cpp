@@ -33,6 +33,17 @@ TEST(CullingEqualTime, ReadsRivalsOffTheirCurves) {
   EXPECT_NEAR(over(told, "fir"), 2.0, 1e-3);
 }
 
+TEST(CullingEqualTime, EndsWithTheGeometricMeansOfWhatWasMetOften) {
+  const std::vector<Fields> rows{
+      row("flc", 100.0, 0.01),           row("power", 100.0, 0.02),
+      row("power", 400.0, 0.01),         row("flc", 100.0, 0.01, "city"),
+      row("power", 100.0, 0.08, "city"), row("power", 400.0, 0.04, "city")};
+  const auto told = errors_at_equal_time(rows);
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(std::get<std::string>(value_in(told[2], "scene")), "(mean)");
+  EXPECT_NEAR(std::get<double>(value_in(told[2], "over_in150")), 4.0, 1e-9);  // of 2 and 8
+}
+
 TEST(CullingEqualTime, SaysNothingOfOnePointAnotherSceneOrAnEarlierTime) {
   EXPECT_TRUE(errors_at_equal_time({row("flc", 200.0, 0.01), row("power", 100.0, 0.02)}).empty());
   EXPECT_TRUE(errors_at_equal_time(

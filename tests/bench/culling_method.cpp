@@ -10,7 +10,6 @@ namespace macula::bench {
 namespace {
 
 using kernels::culling::Config;
-
 using kernels::culling::Hiding;
 using kernels::culling::KeptBy;
 using kernels::culling::Space;
@@ -20,6 +19,9 @@ void set_paper(Config& c) {
   c.hiding = Hiding::LampMaps;
   c.space = Space::LogPolar;
 }
+
+/// Every pixel asks, not one in eight.
+constexpr double kInEveryPixel = 1.0 / 8.0;
 
 constexpr std::array kMethods{
     CullingMethod{"flc", "contributions by BLSO, log-polar, 4 x 4 classes, as the paper",
@@ -33,7 +35,8 @@ constexpr std::array kMethods{
                   [](Config& c) {
                     set_paper(c);
                     c.space = Space::Cells;
-                  }},
+                  },
+                  Rendering::Picture, kInEveryPixel},
     CullingMethod{"flc_no_classes", "flc_no_logpolar, every pixel asks every kept light",
                   [](Config& c) {
                     set_paper(c);
@@ -52,7 +55,8 @@ constexpr std::array kMethods{
                     c.mean = kernels::culling::PointMean::Plain;
                     c.importance.brightness_floor = 0.0F;
                   }},
-    CullingMethod{"flc_rays", "contributions by rays, light asked in every pixel", [](Config&) {}},
+    CullingMethod{"flc_rays", "contributions by rays, light asked in every pixel", [](Config&) {},
+                  Rendering::Picture, kInEveryPixel},
     CullingMethod{"flc_some", "flc_rays, 8 rays a pixel, drawn by what lights would bring",
                   [](Config& c) { c.asked = 8; }},
     CullingMethod{"flc_fast",
@@ -75,7 +79,8 @@ constexpr std::array kMethods{
                     c.kept_by = KeptBy::Flux;
                   }},
     CullingMethod{"tree", "cuts of a light tree, sized by the importance map",
-                  [](Config& c) { c.route = kernels::culling::Route::Cuts; }},
+                  [](Config& c) { c.route = kernels::culling::Route::Cuts; }, Rendering::Picture,
+                  kInEveryPixel},
     CullingMethod{"all_vpls", "every light from every pixel, a shadow ray each",
                   [](Config& c) {
                     c.kept = std::numeric_limits<int>::max();

@@ -21,6 +21,8 @@ struct CullingMethod {
   /// Turns the settings of flc_rays into its own.
   void (*set)(kernels::culling::Config& config);
   Rendering rendering = Rendering::Picture;
+  /// Lights that it keeps in the time that flc takes for one.
+  double lights_at_equal_time = 1.0;
 };
 
 std::span<const CullingMethod> culling_methods();
