@@ -79,15 +79,18 @@ class Calming {
     std::vector<ViewMemory> now(request_.views.size());
     FrameReport report;
     for (std::size_t v = 0; v < request_.views.size(); ++v) {
-      Plane<Rgb> light = own_light(v, out.views[v], report);
-      if (remembers && config_.newest < 1.0F) {
-        remember(request_.views[v], out.views[v], memory.views[v], movers[v], config_.newest,
-                 scheduler_, light);
-      }
-      replace_light(out.views[v], light);
       const View& view = request_.views[v];
-      now[v] = {view.world_from_view, view.grid, out.views[v].depth_m, out.views[v].normal,
-                std::move(light)};
+      LightOverFrames mean{own_light(v, out.views[v], report), {}};
+      if (remembers && config_.newest < 1.0F) {
+        mean = remembered(view, out.views[v], memory.views[v], movers[v], config_.newest,
+                          scheduler_, mean.light);
+      } else {
+        mean.frames.resize(mean.light.width(), mean.light.height(), 1.0F);
+      }
+      replace_light(out.views[v], mean.light);
+      now[v] = {view.world_from_view,  view.grid,
+                out.views[v].depth_m,  out.views[v].normal,
+                std::move(mean.light), std::move(mean.frames)};
     }
     memory.views = std::move(now);
     const bool steady = config_.picture_frames > 1 && !report.stopped;

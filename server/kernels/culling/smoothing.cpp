@@ -69,8 +69,12 @@ class Remembering {
     for (const Pose& then_from_now : movers.then_from_now) add_way(then_from_now);
   }
 
+  struct Known {
+    Rgb light;
+    float frames;
+  };
   /// What was remembered of what is seen there now.
-  std::optional<Rgb> at(int x, int y) const {
+  std::optional<Known> at(int x, int y) const {
     const float depth = buffers_.depth_m(x, y);
     if (!std::isfinite(depth)) return std::nullopt;
     const Way& way = ways_[movers_.then_from_now.empty() ? 0 : movers_.of(x, y)];
@@ -81,7 +85,7 @@ class Remembering {
     const bool same =
         std::abs(then_.depth_m(tx, ty) - place->depth_m) <= kSameDepth * depth &&
         glm::dot(then_.normal(tx, ty), way.turn * buffers_.normal(x, y)) > kSameNormal;
-    return same ? std::optional(then_.light(tx, ty)) : std::nullopt;
+    return same ? std::optional(Known{then_.light(tx, ty), then_.frames(tx, ty)}) : std::nullopt;
   }
 
  private:
@@ -129,27 +133,32 @@ Plane<Rgb> shared_light(const View& view, const ViewBuffers& buffers, int reach,
   return light;
 }
 
-void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& then,
-              const reconstruction::Movers& movers, float newest, TileScheduler& scheduler,
-              Plane<Rgb>& light) {
+LightOverFrames remembered(const View& view, const ViewBuffers& buffers, const ViewMemory& then,
+                           const reconstruction::Movers& movers, float newest,
+                           TileScheduler& scheduler, const Plane<Rgb>& now) {
   const Remembering memory(view, buffers, then, movers);
-  const Plane<Rgb> now = light;
+  LightOverFrames mean{now, Plane<float>(now.width(), now.height(), 1.0F)};
   const double largest = std::max(largest_eccentricity(view), 1e-6);  // radians; a view has width
   const auto remember_row = [&](std::size_t row) {
     const int y = static_cast<int>(row);
-    for (int x = 0; x < light.width(); ++x) {
+    for (int x = 0; x < now.width(); ++x) {
       const auto known = memory.at(x, y);
       if (!known) continue;
       const int window = clamp_window(static_cast<float>(eccentricity_at(view, x, y) / largest));
       const Range range = range_around(now, x, y, window);
-      const Rgb kept = glm::clamp(*known, range.low, range.high);
-      light(x, y) = glm::mix(kept, now(x, y), newest);
+      const Rgb kept = glm::clamp(known->light, range.low, range.high);
+      const float frames = std::min(known->frames + 1.0F, 1.0F / newest);
+      mean.light(x, y) = glm::mix(kept, now(x, y), 1.0F / frames);
+      mean.frames(x, y) = frames;
     }
   };
-  const auto rows = static_cast<std::size_t>(light.height());
-  scheduling::run_shared(
-      scheduler, rows, Audience::EveryRank, scheduling::by_rows(rows), remember_row,
-      [&](std::size_t row, Parcel& parcel) { parcel.values(light.row(static_cast<int>(row))); });
+  const auto rows = static_cast<std::size_t>(now.height());
+  scheduling::run_shared(scheduler, rows, Audience::EveryRank, scheduling::by_rows(rows),
+                         remember_row, [&](std::size_t row, Parcel& parcel) {
+                           parcel.values(mean.light.row(static_cast<int>(row)));
+                           parcel.values(mean.frames.row(static_cast<int>(row)));
+                         });
+  return mean;
 }
 
 int clamp_window(float q) {

@@ -21,7 +21,8 @@ struct ViewMemory {
   PixelGrid grid;
   Plane<float> depth_m;
   Plane<Vec3> normal;
-  Plane<Rgb> light;  ///< per unit of reflectance, calmed
+  Plane<Rgb> light;     ///< per unit of reflectance, calmed
+  Plane<float> frames;  ///< that each cell's light is the mean of, >= 1
 };
 
 /// Mean light of the cells within `reach` that lie on a cell's surface; those at the rim count
@@ -30,12 +31,19 @@ struct ViewMemory {
 Plane<Rgb> shared_light(const View& view, const ViewBuffers& buffers, int reach,
                         TileScheduler& scheduler);
 
-/// Adds what `then` remembers of every cell: (1 - newest) of it where the same surface was seen,
-/// held to the range of the cells around, a window of clamp_window(eccentricity). What `movers`
-/// tells to have moved is found where it was.
-void remember(const View& view, const ViewBuffers& buffers, const ViewMemory& then,
-              const reconstruction::Movers& movers, float newest, TileScheduler& scheduler,
-              Plane<Rgb>& light);
+/// Light of a frame, and of how many frames it is the mean.
+struct LightOverFrames {
+  Plane<Rgb> light;
+  Plane<float> frames;
+};
+
+/// Adds what `then` remembers of every cell where the same surface was seen, held to the range of
+/// the cells around, a window of clamp_window(eccentricity): the mean of all frames that it knows,
+/// until one of them would count for less than `newest`; each new one counts for that much from
+/// then on. What `movers` tells to have moved is found where it was.
+LightOverFrames remembered(const View& view, const ViewBuffers& buffers, const ViewMemory& then,
+                           const reconstruction::Movers& movers, float newest,
+                           TileScheduler& scheduler, const Plane<Rgb>& now);
 
 /// Cells a side, odd, 3 to 9: eta = clamp(3 + 2 floor((q - 0.10) / 0.05), 3, 9) (section 3.5), q
 /// the eccentricity over the largest in the view.

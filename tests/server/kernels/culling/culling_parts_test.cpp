@@ -346,25 +346,58 @@ TEST(Smoothing, StopsAtEdges) {
   EXPECT_FLOAT_EQ(light(12, 12).x, 5.0F);
 }
 
+/// So many that a new one counts for no more than it must.
+Plane<float> many_frames() {
+  return Plane<float>(24, 24, 100.0F);
+}
+
 TEST(Smoothing, RemembersWhatStaysAndForgetsWhatIsOutOfRange) {
   Picture picture;
   std::ranges::fill(picture.buffers.light.pixels(), Rgb{1.0F});
-  ViewMemory then{picture.view.world_from_view, picture.view.grid, picture.buffers.depth_m,
-                  picture.buffers.normal, Plane<Rgb>(24, 24, Rgb{9.0F})};
+  ViewMemory then{picture.view.world_from_view,  picture.view.grid,
+                  picture.buffers.depth_m,       picture.buffers.normal,
+                  Plane<Rgb>(24, 24, Rgb{9.0F}), many_frames()};
   TileScheduler scheduler(1);
-  Plane<Rgb> light = picture.buffers.light;
-  remember(picture.view, picture.buffers, then, {}, 0.25F, scheduler, light);
-  EXPECT_FLOAT_EQ(light(12, 12).x, 1.0F) << "nine is not in the range of what is seen";
-  light(13, 12) = Rgb{2.0F};
+  const auto at_middle = [&](float newest) {
+    const auto mean = remembered(picture.view, picture.buffers, then, {}, newest, scheduler,
+                                 picture.buffers.light);
+    return mean.light(12, 12).x;
+  };
+  EXPECT_FLOAT_EQ(at_middle(0.25F), 1.0F) << "nine is not in the range of what is seen";
+  picture.buffers.light(13, 12) = Rgb{2.0F};
   then.light = Plane<Rgb>(24, 24, Rgb{1.5F});
-  remember(picture.view, picture.buffers, then, {}, 0.25F, scheduler, light);
-  EXPECT_FLOAT_EQ(light(12, 12).x, 0.75F * 1.5F + 0.25F * 1.0F);
+  EXPECT_FLOAT_EQ(at_middle(0.25F), 0.75F * 1.5F + 0.25F * 1.0F);
+}
+
+// A quarter for the newest from the second frame on would leave the first, the noisiest, with more
+// than all others together for a while.
+TEST(Smoothing, AveragesTheFirstFramesAlike) {
+  Picture picture;
+  std::ranges::fill(picture.buffers.light.pixels(), Rgb{0.0F});
+  picture.buffers.light(13, 12) = Rgb{10.0F};  // no bounds
+  ViewMemory memory{picture.view.world_from_view, picture.view.grid,
+                    picture.buffers.depth_m,      picture.buffers.normal,
+                    picture.buffers.light,        Plane<float>(24, 24, 1.0F)};
+  TileScheduler scheduler(1);
+  float sum = 0.0F;
+  for (int frame = 2; frame <= 6; ++frame) {
+    const float now = 0.5F * static_cast<float>(frame);
+    picture.buffers.light(12, 12) = Rgb{now};
+    auto mean = remembered(picture.view, picture.buffers, memory, {}, 0.25F, scheduler,
+                           picture.buffers.light);
+    const float expected = frame <= 4 ? (sum + now) / static_cast<float>(frame)
+                                      : 0.75F * memory.light(12, 12).x + 0.25F * now;
+    EXPECT_FLOAT_EQ(mean.light(12, 12).x, expected) << frame;
+    EXPECT_FLOAT_EQ(mean.frames(12, 12), std::min(static_cast<float>(frame), 4.0F));
+    memory.light = std::move(mean.light), memory.frames = std::move(mean.frames);
+    sum += now;
+  }
 }
 
 TEST(Smoothing, RemembersWhatMovedWhereItWas) {
   Picture picture;
-  ViewMemory then{picture.view.world_from_view, picture.view.grid, picture.buffers.depth_m,
-                  picture.buffers.normal, Plane<Rgb>(24, 24)};
+  ViewMemory then{picture.view.world_from_view, picture.view.grid,  picture.buffers.depth_m,
+                  picture.buffers.normal,       Plane<Rgb>(24, 24), many_frames()};
   for (int y = 0; y < 24; ++y) {
     for (int x = 0; x < 24; ++x) {
       picture.buffers.light(x, y) = Rgb{x % 2 == 0 ? 0.0F : 100.0F};  // no bounds
@@ -379,8 +412,9 @@ TEST(Smoothing, RemembersWhatMovedWhereItWas) {
   movers.then_from_now.resize(1);
   movers.then_from_now.front().position = {-kCells * cell_m, 0.0, 0.0};
   TileScheduler scheduler(1);
-  Plane<Rgb> light = picture.buffers.light;
-  remember(picture.view, picture.buffers, then, movers, 0.5F, scheduler, light);
+  const Plane<Rgb> light = remembered(picture.view, picture.buffers, then, movers, 0.5F, scheduler,
+                                      picture.buffers.light)
+                               .light;
   EXPECT_NEAR(light(12, 12).x, 0.5F * (12 - kCells), 1e-3F) << "three cells to the left then";
   EXPECT_NEAR(light(14, 12).x, 0.5F * 14, 1e-3F) << "beside it nothing moved";
 }
