@@ -90,6 +90,7 @@ void PlacedLights::make(const LightList& list, std::span<const VirtualPointLight
   for (std::uint32_t i = 0; i < emissive.size(); ++i) {
     if (write_row(asked_ahead(emissive, i), writer.next())) writer.keep(i + 1);
   }
+  first_virtual_ = writer.size();
   for (const VirtualPointLight& light : virtual_lights) {
     if (write_row(light, writer.next())) writer.keep(0);
   }

@@ -31,6 +31,8 @@ class PlacedLights {
   void make(const LightList& list, std::span<const VirtualPointLight> virtual_lights = {});
 
   std::size_t size() const { return table_.size(); }
+  /// Index of the first virtual light; size() without any.
+  std::size_t first_virtual() const { return first_virtual_; }
   const LightTree& tree() const { return tree_; }
   /// Punctual lights that are not in the list: directional ones, which are nowhere, and those whose
   /// intensity or place cannot be ordered (not finite, negative). To be asked one by one.
@@ -47,6 +49,7 @@ class PlacedLights {
 
  private:
   PlacedLightTable table_;
+  std::size_t first_virtual_ = 0;
   std::vector<scene::Light> apart_;
   LightTree tree_;
 };

@@ -28,6 +28,8 @@ class TableWriter {
     table_.triangle[written_ + page_.count] = triangle;
     if (++page_.count == RowPage::kRows) flush();
   }
+  /// Rows taken so far.
+  std::size_t size() const { return written_ + page_.count; }
   /// The table is whole.
   void finish();
 

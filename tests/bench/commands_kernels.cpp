@@ -133,11 +133,14 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   command.add_option("--reference-passes", options->reference_passes, "Of each half-reference")
       ->check(CLI::Range(1, 1 << 14))
       ->option_text("N (4)");
+  command.add_flag_callback(
+      "--no-gloss", [options] { options->gloss = kernels::lightcuts::Gloss::No; },
+      "Direct light alone: without what glossy surfaces reflect");
   command.add_flag("--stereo", options->stereo,
                    "Pairs of eyes: cost and error of the second, lit by itself and by what the\n"
                    "first has found; methods sl_denoised,paper,paper_denoised,ours");
   command.add_flag("--quick", options->quick,
-                   "360x425, gaze 0, one frame (of pairs: four) after 4, one pass of 96 nodes");
+                   "360x425, gaze 0, one frame (of pairs: four) after 4, one pass of 64 nodes");
   add_threads(command, options->threads);
   command.add_option("--pictures", options->pictures, "Maps and pictures of every method")
       ->option_text("FOLDER");
@@ -146,8 +149,11 @@ Run declare_lightcuts(CLI::App& command, Pace) {
       "sl asks as many lights in every pixel; its rows are the curve that gains and speeds are\n"
       "read from. lspp is the size that cuts may have; a low-resolution picture comes on top.\n"
       "tree, cut and sample (walks) are measured apart, of one thread on the same points; sample\n"
-      "less what other pixels had drawn; shade is what remains: all rays, materials, what lights\n"
-      "send, low resolution; trace, in it, is wall time within visibility queries.\n"
+      "less what other pixels had drawn; glossy (rays that glossy surfaces send on) is apart, "
+      "too;\n"
+      "shade is what remains: all other rays, materials, what lights send, low resolution; trace\n"
+      "is wall time within visibility queries. msed and mseg: mse of the pixels that show matt\n"
+      "and glossy surfaces.\n"
       "mse is of display-linear values, relmse of radiance; both may be negative where they lie\n"
       "below the noise of the references. gain: the baseline's error at equal time over the\n"
       "method's; speed: its time at equal error in F25; plain_gain: against sl, whatever the\n"

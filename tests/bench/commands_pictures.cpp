@@ -139,6 +139,8 @@ void add_still_method(CLI::App& command, StillOptions& options, StillWords& word
       ->option_text("N (8)");
   command.add_flag("--perceived-lights", options.perceived_lights,
                    "Kernel lightcuts, mode fast: as many as the eye would see, up to 48");
+  command.add_option("--knobs", options.knobs, "Settings of the kernel; a wrong one lists them")
+      ->option_text("\"name=value ...\"");
   command.add_option("--spp", options.samples_per_cell, "Primary samples per cell")
       ->check(CLI::Range(1, 1 << 20))
       ->option_text("N (1)");

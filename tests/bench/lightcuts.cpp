@@ -92,7 +92,9 @@ struct Measured {
 
   double sample_ms() const { return stages.sample_ms * (1.0 - reuse); }
   /// What nothing else accounts for: all rays, materials, what lights send, low resolution.
-  double shade_ms() const { return cpu_ms - fpsm_ms - denoise_ms - stages.cut_ms - sample_ms(); }
+  double shade_ms() const {
+    return cpu_ms - fpsm_ms - denoise_ms - stages.cut_ms - sample_ms() - stages.glossy_ms;
+  }
 };
 
 Plane<float> as_floats(const Plane<std::uint16_t>& nodes) {
@@ -177,9 +179,11 @@ class Run {
     const auto nodes = taken + static_cast<double>(one.report.walked_nodes);
     if (nodes > 0.0) all.reuse += share * taken / nodes;
     const LightcutsErrors errors = judge_.errors(one.radiance);
-    all.errors.mse.f25 += share * errors.mse.f25, all.errors.mse.out25 += share * errors.mse.out25;
-    all.errors.relmse.f25 += share * errors.relmse.f25;
-    all.errors.relmse.out25 += share * errors.relmse.out25;
+    const auto grow = [share](Regional& sum, const Regional& by) {
+      sum.f25 += share * by.f25, sum.out25 += share * by.out25;
+    };
+    grow(all.errors.mse, errors.mse), grow(all.errors.relmse, errors.relmse);
+    grow(all.errors.diffuse, errors.diffuse), grow(all.errors.glossy, errors.glossy);
   }
 
   void sizes_of(const Method& method, Measured& all) {
@@ -261,11 +265,16 @@ class Run {
             {"mse_out25", m.errors.mse.out25},
             {"relmse_f25", m.errors.relmse.f25},
             {"relmse_out25", m.errors.relmse.out25},
+            {"msed_f25", m.errors.diffuse.f25},
+            {"msed_out25", m.errors.diffuse.out25},
+            {"mseg_f25", m.errors.glossy.f25},
+            {"mseg_out25", m.errors.glossy.out25},
             {"tree_ms", m.stages.tree_ms},
             {"fpsm_ms", m.fpsm_ms},
             {"cut_ms", m.stages.cut_ms},
             {"sample_ms", m.sample_ms()},
             {"shade_ms", m.shade_ms()},
+            {"glossy_ms", m.stages.glossy_ms},
             {"trace_ms", m.trace_ms},
             {"denoise_ms", m.denoise_ms},
             {"reuse", m.reuse},
@@ -325,7 +334,7 @@ Result<void> write_maps(const LightcutsSetting& setting, const std::string& fold
 
 LightcutsOptions quickened(LightcutsOptions options) {
   if (!options.quick) return options;
-  if (options.reference_nodes == LightcutsOptions{}.reference_nodes) options.reference_nodes = 96;
+  if (options.reference_nodes == LightcutsOptions{}.reference_nodes) options.reference_nodes = 64;
   options.reference_passes = 1;
   options.frames = options.stereo ? 4 : 1;  // noise of pairs is told by frames
   options.warm_up = std::min(options.warm_up, LightcutsSetting::kSwing);
@@ -336,7 +345,7 @@ LightcutsOptions quickened(LightcutsOptions options) {
 /// A scene's rows, a gaze after the other; references are made once.
 Result<void> run_scene(const std::string& scene, const LightcutsOptions& options,
                        TileScheduler& scheduler, Progress& progress, std::vector<Fields>& rows) {
-  auto setting = LightcutsSetting::make(scene, options.quick, scheduler);
+  auto setting = LightcutsSetting::make(scene, options.quick, options.gloss, scheduler);
   if (!setting) return base::forward(setting);
   if (!options.pictures.empty()) {
     const std::string folder = picture_folder(options, scene);
@@ -390,7 +399,8 @@ Fields effective(const LightcutsOptions& options) {
           {"frames", std::int64_t{options.frames}},
           {"warm_up", std::int64_t{options.warm_up}},
           {"reference_nodes", std::int64_t{options.reference_nodes}},
-          {"reference_passes", std::int64_t{options.reference_passes}}};
+          {"reference_passes", std::int64_t{options.reference_passes}},
+          {"gloss", options.gloss == kernels::lightcuts::Gloss::Yes}};
 }
 
 Result<void> run_lightcuts(const LightcutsOptions& asked) {

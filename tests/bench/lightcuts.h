@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "server/kernels/lightcuts/config.h"
 #include "shared/base/result.h"
 #include "tests/bench/report.h"
 
@@ -24,7 +25,9 @@ struct LightcutsOptions {
   int threads = 0;            ///< 0: all the machine has
   std::string pictures;       ///< folder for maps and pictures of every method; empty: none
   std::string json;           ///< report; empty: none
-  bool stereo = false;        ///< pairs of eyes instead, the gaze in the middle
+  /// What glossy surfaces reflect, of every method and in the references.
+  kernels::lightcuts::Gloss gloss = kernels::lightcuts::Gloss::Yes;
+  bool stereo = false;  ///< pairs of eyes instead, the gaze in the middle
 };
 
 /// For a report.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/kernels/lightcuts/lobe.h"
+#include "server/kernels/lightcuts/surfaces.h"
+#include "server/kernels/planes.h"
 #include "server/kernels/registry.h"
 #include "server/kernels/vpl/virtual_lights.h"
 #include "server/scene/load.h"
@@ -26,10 +29,6 @@ foveation::Display paper_display(bool half) {
   const int divisor = half ? 2 : 1;
   const Radians across{std::atan(kTangent)}, up{std::atan(kTangent * kHeight_px / kWidth_px)};
   return {{-across, across, up, -up}, kWidth_px / divisor, kHeight_px / divisor};
-}
-
-FoveationMap map_of(const LightcutsSetting& setting) {
-  return {{{setting.view.grid, setting.view.gaze, setting.display.pixel_tangent()}}, {}};
 }
 
 Plane<Rgb> mean_picture(const LightcutsSetting& setting, int nodes, int passes, std::uint64_t seed,
@@ -67,7 +66,12 @@ kernels::BouncedLight bounced_light(TileScheduler& scheduler) {
 
 }  // namespace
 
+FoveationMap LightcutsSetting::map() const {
+  return {{{view.grid, view.gaze, display.pixel_tangent()}}, {}};
+}
+
 Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool half,
+                                                kernels::lightcuts::Gloss gloss,
                                                 TileScheduler& scheduler) {
   const auto [scene_name, bounced] = named(name);
   const auto loaded = scene::load_scene(scene_name);
@@ -85,6 +89,7 @@ Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool ha
                            "scenes with point lights, spots or emissive triangles");
   }
   LightcutsSetting setting;
+  setting.gloss = gloss;
   setting.timeline = std::move(*timeline);
   setting.scene = std::move(*frame);
   setting.display = paper_display(half);
@@ -114,6 +119,23 @@ Result<LightcutsSetting> LightcutsSetting::moved(int frame) const {
 void LightcutsSetting::look(Degrees right) {
   view.gaze.direction =
       Vec3(std::sin(Radians{right}.value()), 0.0, -std::cos(Radians{right}.value()));
+}
+
+Plane<std::uint8_t> glossy_pixels(const LightcutsSetting& setting, TileScheduler& scheduler) {
+  const FoveationMap map = setting.map();
+  kernels::FrameBuffers out;
+  kernels::prepare_buffers({&setting.view, 1}, out);
+  std::vector<kernels::lightcuts::ViewSurfaces> surfaces;
+  kernels::lightcuts::trace_surfaces({{&setting.view, 1}, map, 0, 1}, *setting.scene,
+                                     uniform_cuts(1).ray, scheduler, surfaces, out);
+  Plane<std::uint8_t> glossy(setting.display.width_px, setting.display.height_px);
+  for (const kernels::lightcuts::SurfaceTile& tile : surfaces.front().tiles) {
+    for (std::size_t i = 0; i < tile.points.count; ++i) {
+      const image::Pixel at = tile.pixel(i);
+      glossy(at.x, at.y) = kernels::lightcuts::is_glossy(tile.points.reflectors.alpha.at[i]);
+    }
+  }
+  return glossy;
 }
 
 Config uniform_cuts(int nodes) {
@@ -164,9 +186,11 @@ Picture picture_of(const LightcutsSetting& setting, const Config& config, std::u
 
 Picture picture_of(const LightcutsSetting& setting, const Config& config, std::uint64_t seed,
                    kernels::History& history, TileScheduler& scheduler) {
-  const FoveationMap map = map_of(setting);
+  const FoveationMap map = setting.map();
   kernels::FrameBuffers out;
-  const kernels::lightcuts::LightcutsKernel kernel(config);
+  Config with_gloss = config;
+  with_gloss.gloss = setting.gloss;
+  const kernels::lightcuts::LightcutsKernel kernel(with_gloss);
   Stopwatch watch;
   Picture picture;
   picture.report =
@@ -179,7 +203,7 @@ Picture picture_of(const LightcutsSetting& setting, const Config& config, std::u
 
 kernels::lightcuts::LightPlan plan_of(const LightcutsSetting& setting, const Config& config,
                                       TileScheduler& scheduler) {
-  const FoveationMap map = map_of(setting);
+  const FoveationMap map = setting.map();
   return kernels::lightcuts::plan_lights({{&setting.view, 1}, map, 0, 1}, *setting.scene, config,
                                          scheduler);
 }
@@ -189,28 +213,29 @@ LightcutsJudge::LightcutsJudge(const LightcutsSetting& setting, int nodes, int p
     : tone_(setting.view.tone),
       first_(mean_picture(setting, nodes, passes, kFirstReferenceSeed, scheduler)),
       second_(mean_picture(setting, nodes, passes, kSecondReferenceSeed, scheduler)),
+      glossy_(glossy_pixels(setting, scheduler)),
       eccentricity_(setting.display.width_px, setting.display.height_px) {
   look(setting);
 }
 
 void LightcutsJudge::look(const LightcutsSetting& setting) {
-  const FoveationMap map = map_of(setting);
+  const FoveationMap map = setting.map();
   for (int y = 0; y < eccentricity_.height(); ++y) {
     map.eccentricity_row(0, y, eccentricity_.row(y));
   }
 }
 
-template <class Value>
-Regional LightcutsJudge::regional(const Value& value_at) const {
+template <class Value, class Counts>
+Regional LightcutsJudge::regional(const Value& value_at, const Counts& counts) const {
   const auto mean = [&](image::Region region) {
     double sum = 0.0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < eccentricity_.size(); ++i) {
       if (!image::contains(region, Radians{static_cast<double>(eccentricity_.pixels()[i])}))
         continue;
-      sum += value_at(i), ++count;
+      if (counts(i)) sum += value_at(i), ++count;
     }
-    return count > 0 ? sum / static_cast<double>(count) : 0.0;
+    return sum / static_cast<double>(count);
   };
   using image::Region;
   return {mean(Region::F25), mean(Region::Out25), mean(Region::F10)};
@@ -224,9 +249,12 @@ LightcutsErrors LightcutsJudge::errors(const Plane<Rgb>& radiance) const {
     return image::display_linear(tone_, plane.pixels()[i]);
   };
   LightcutsErrors errors;
-  errors.mse = regional([&](std::size_t i) {
+  const auto mse = [&](std::size_t i) {
     return product(shown(radiance, i), shown(first_, i), shown(second_, i));
-  });
+  };
+  errors.mse = regional(mse);
+  errors.diffuse = regional(mse, [&](std::size_t i) { return glossy_.pixels()[i] == 0; });
+  errors.glossy = regional(mse, [&](std::size_t i) { return glossy_.pixels()[i] != 0; });
   const float gain = std::exp2(tone_.exposure_ev);
   errors.relmse = regional([&](std::size_t i) {
     const Rgb a = gain * first_.pixels()[i], b = gain * second_.pixels()[i];

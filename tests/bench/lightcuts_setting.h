@@ -18,19 +18,27 @@ struct LightcutsSetting {
   std::shared_ptr<const kernels::SceneFrame> scene;  ///< at time 0
   foveation::Display display;
   kernels::View view;
-  std::size_t lights = 0;  ///< in the tree
+  std::size_t lights = 0;                                           ///< in the tree
+  kernels::lightcuts::Gloss gloss = kernels::lightcuts::Gloss::No;  ///< of every method
 
   /// 720 x 850 pixels (or half of that) of equal sides, tangents of +- 1.1 across; exposure brings
   /// the mean to middle grey. A name that ends in -vpl: the scene with 120,000 virtual lights, or
   /// fewer where rays meet nothing; `scheduler` must then outlive the setting.
   static Result<LightcutsSetting> make(const std::string& scene, bool half,
+                                       kernels::lightcuts::Gloss gloss,
                                        scheduling::TileScheduler& scheduler);
+  FoveationMap map() const;
   /// A head that sways, and what moves in the scene, to and fro: every kSwing-th frame is the one
   /// that references were made of. frame >= 0.
   Result<LightcutsSetting> moved(int frame) const;
   static constexpr int kSwing = 4;
   void look(Degrees right);
 };
+
+/// Where a pixel's surface is glossy enough for rays of its own: what errors of diffuse and of
+/// glossy parts are told apart by.
+Plane<std::uint8_t> glossy_pixels(const LightcutsSetting& setting,
+                                  scheduling::TileScheduler& scheduler);
 
 /// One primary ray through each pixel's centre: light alone is left to chance.
 kernels::lightcuts::Config uniform_cuts(int nodes);
@@ -64,6 +72,8 @@ struct Regional {
 };
 struct LightcutsErrors {
   Regional mse, relmse;  ///< display-linear; over squared reference + 0.01, in radiance
+  /// mse of the pixels that show matt and glossy surfaces; not a number where there are none.
+  Regional diffuse, glossy;
 };
 
 class LightcutsJudge {
@@ -81,11 +91,17 @@ class LightcutsJudge {
   Plane<Rgb> reference() const;
 
  private:
+  /// Of the pixels that `counts(i)` lets count.
+  template <class Value, class Counts>
+  Regional regional(const Value& value_at, const Counts& counts) const;
   template <class Value>
-  Regional regional(const Value& value_at) const;
+  Regional regional(const Value& value_at) const {
+    return regional(value_at, [](std::size_t) { return true; });
+  }
 
   image::Tone tone_;
   Plane<Rgb> first_, second_;
+  Plane<std::uint8_t> glossy_;
   Plane<float> eccentricity_;  ///< radians
 };
 

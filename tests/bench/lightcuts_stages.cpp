@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "server/kernels/lightcuts/gloss.h"
 #include "server/kernels/lightcuts/node_choices.h"
 #include "server/kernels/planes.h"
 #include "server/lights/placed_lights.h"
@@ -55,6 +56,19 @@ class Walker {
   std::vector<lights::LeafChoice> choices_;
 };
 
+/// With gloss: its rays of every tile.
+double glossy_ms(const kernels::SceneFrame& scene, const kernels::lightcuts::Config& config,
+                 const ViewSurfaces& surfaces, const Plane<std::uint16_t>& cut_nodes) {
+  if (!kernels::lightcuts::has_gloss(scene, config.ray)) return 0.0;
+  Stopwatch watch;
+  for (const SurfaceTile& tile : surfaces.tiles) {
+    std::vector<Rgb> slots(tile.points.count, Rgb{0.0F});
+    kernels::ray::LightingWork work;
+    kernels::lightcuts::add_gloss(scene, config, tile, {cut_nodes}, work, slots);
+  }
+  return watch.lap().cpu_ms;
+}
+
 }  // namespace
 
 LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
@@ -62,8 +76,7 @@ LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightc
                           scheduling::TileScheduler& scheduler) {
   LightcutsStages stages;
   stages.tree_ms = tree_ms(*setting.scene);
-  const FoveationMap map{{{setting.view.grid, setting.view.gaze, setting.display.pixel_tangent()}},
-                         {}};
+  const FoveationMap map = setting.map();
   kernels::FrameBuffers out;
   kernels::prepare_buffers({&setting.view, 1}, out);
   std::vector<ViewSurfaces> surfaces;
@@ -71,6 +84,8 @@ LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightc
                                      scheduler, surfaces, out);
   Walker walker(setting.scene->placed_lights().tree());
   for (const SurfaceTile& tile : surfaces.front().tiles) walker.add(tile, cut_nodes, stages);
+  if (setting.gloss == kernels::lightcuts::Gloss::Yes)
+    stages.glossy_ms = glossy_ms(*setting.scene, config, surfaces.front(), cut_nodes);
   return stages;
 }
 

@@ -10,6 +10,7 @@ struct LightcutsStages {
   double tree_ms = 0.0;    ///< the list of lights and the tree over them, made anew
   double cut_ms = 0.0;     ///< a cut a point
   double sample_ms = 0.0;  ///< a walk from each of its nodes down to a light
+  double glossy_ms = 0.0;  ///< the rays of glossy points, and light where they arrive
 };
 
 /// `cut_nodes`: of each pixel's cut. tree_ms is not a number for scenes with virtual lights: the

@@ -110,7 +110,7 @@ class Scene {
     double alone_ms = 0.0;
     for (const StereoReuse stereo : {StereoReuse::No, StereoReuse::Yes}) {
       Config config = method.config;
-      config.stereo = stereo;
+      config.stereo = stereo, config.gloss = setting_.gloss;
       const auto measured = measure(config, label(method, stereo));
       if (!measured) return base::forward(measured);
       if (stereo == StereoReuse::No) alone_ms = measured->cpu_ms;
@@ -186,7 +186,7 @@ Result<void> run_lightcuts_stereo(const LightcutsOptions& options) {
     std::filesystem::create_directories(options.pictures, ignored);
   }
   for (const std::string& name : options.scenes) {
-    auto setting = LightcutsSetting::make(name, options.quick, scheduler);
+    auto setting = LightcutsSetting::make(name, options.quick, options.gloss, scheduler);
     if (!setting) return base::forward(setting);
     const Scene scene(name, std::move(*setting), options, scheduler);
     for (const Method& method : all) {

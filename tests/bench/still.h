@@ -37,6 +37,7 @@ struct StillOptions {
   std::string scene;            ///< built-in name or file
   std::string kernel = "auto";  ///< name in the kernel table
   StillMode mode = StillMode::Exact;
+  std::string knobs;                  ///< of the kernel, "name=value ..."
   bool perceived_lights = false;      ///< kernel lightcuts, mode fast: light_samples is not used
   int light_samples = 8;              ///< --lspp: area-light samples per primary sample, >= 1
   int samples_per_cell = 1;           ///< --spp: primary samples a cell, >= 1

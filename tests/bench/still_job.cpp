@@ -184,6 +184,8 @@ Result<RenderedStill> render_still(const StillJob& job, const StillOptions& opti
   settings.bounces = options.bounces;
   settings.lambert_only = options.material == StillMaterial::Lambert;
 
+  const auto knobs = kernels::parse_knobs(options.knobs);
+  if (!knobs) return forward(knobs);
   scheduling::TileScheduler scheduler(options.threads);
   const FoveationMap map({{job.view.grid, job.view.gaze, job.display.pixel_tangent()}}, job.rate);
   kernels::History history;
@@ -194,7 +196,7 @@ Result<RenderedStill> render_still(const StillJob& job, const StillOptions& opti
   Stopwatch watch;
   for (int done = 0, pass = 0; done < options.samples_per_cell; ++pass) {
     settings.samples_per_cell = std::min(kSamplesPerPass, options.samples_per_cell - done);
-    const auto kernel = kernels::make_kernel(job.kernel, settings);
+    const auto kernel = kernels::make_kernel(job.kernel, settings, *knobs);
     if (!kernel) return forward(kernel);
     const kernels::FrameRequest request{
         {&job.view, 1}, map, static_cast<std::uint64_t>(pass), options.seed};

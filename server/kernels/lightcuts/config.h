@@ -2,6 +2,8 @@
 // light. README.md in this folder has the method in one screen.
 #pragma once
 
+#include <algorithm>
+
 #include "server/kernels/lightcuts/perception_map.h"
 #include "server/kernels/ray/config.h"
 
@@ -17,8 +19,12 @@ enum class CutSizes { Uniform, Perceived };
 enum class LightSource { Walks, LowResolution, Reservoirs };
 
 struct ReservoirConfig {
-  int nodes_a_ray = 3;            ///< of a cut: one ray to the draws of so many, at least one; >= 1
-  int most_rays = 8;              ///< a point and frame, for its own draws
+  int nodes_a_ray = 3;  ///< of a cut: one ray to the draws of so many, at least one; >= 1
+  int most_rays = 8;    ///< a point and frame, for its own draws
+  /// Of a point whose cut has so many nodes.
+  int rays(int nodes) const {
+    return std::clamp((nodes + nodes_a_ray - 1) / nodes_a_ray, 1, most_rays);
+  }
   float most_confidence = 20.0F;  ///< frames that memory counts for at most
   /// Rays that find out whether a neighbour sees a light at all. Without them the last frame's
   /// point is taken to see what this one sees: where it does not, some light is lost.
@@ -36,6 +42,10 @@ enum class Denoise { No, Yes };
 /// and lights the rest. Mode Fast, one sample a cell.
 enum class StereoReuse { No, Yes };
 
+/// Yes: glossy and specular surfaces also reflect what they see, over one bounce (gloss.h), where
+/// the scene has any. One sample a cell.
+enum class Gloss { No, Yes };
+
 struct Config {
   ray::Config ray;
   CutSizes sizes = CutSizes::Uniform;
@@ -50,6 +60,7 @@ struct Config {
   // ---- any size ----
   Denoise denoise = Denoise::No;
   StereoReuse stereo = StereoReuse::No;
+  Gloss gloss = Gloss::No;
   double mean_nodes = 0.0;  ///< > 0: the map is scaled so that this is the mean of all cuts
 };
 

@@ -17,12 +17,12 @@ using lights::WeightRule;
 /// Asks lights for nodes in the order they come, batch after batch.
 class Asker {
  public:
-  Asker(const SceneFrame& scene, const SurfaceTile& tile, std::uint32_t rounds,
+  Asker(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
         ray::LightingWork& work, std::span<Rgb> slots)
       : scene_(scene),
         tile_(tile),
-        rounds_(rounds),
-        questions_(scene),
+        rounds_(static_cast<std::uint32_t>(plan.most_nodes)),
+        questions_(scene, plan.gloss),
         rays_(scene, work),
         slots_(slots) {}
 
@@ -165,7 +165,7 @@ class LowTile {
 void add_cut_light(const SceneFrame& scene, const SurfaceTile& tile, const CutPlan& plan,
                    CutWork& work, std::span<Rgb> slots) {
   if (scene.placed_lights().size() == 0) return;
-  Asker asker(scene, tile, static_cast<std::uint32_t>(plan.most_nodes), work.lighting, slots);
+  Asker asker(scene, tile, plan, work.lighting, slots);
   NodeChoices<Asker>(scene, tile, plan, work, asker).run();
   asker.finish();
 }

@@ -29,6 +29,9 @@ struct CutPlan {
   int most_nodes = 1;
   const Plane<float>* map = nullptr;  ///< taken with probability 1 - map; with `low`
   const LowPicture* low = nullptr;    ///< none: walks only
+  /// Yes: what surfaces reflect to glossy points arrives by other rays; virtual lights do without
+  /// their lobes.
+  Gloss gloss = Gloss::No;
 };
 
 struct CutWork {

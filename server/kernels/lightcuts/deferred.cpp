@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/kernels/lightcuts/denoiser.h"
+#include "server/kernels/lightcuts/gloss.h"
 #include "server/kernels/lightcuts/other_eye.h"
 #include "server/kernels/lightcuts/other_light.h"
 #include "server/kernels/lightcuts/reservoir_light.h"
@@ -56,6 +57,7 @@ class Frame {
     if (last != nullptr) surfaces_ = std::move(last->spare);
     const LightHistory* before =
         last != nullptr && last->views.size() == request_.views.size() ? last : nullptr;
+    gloss_ = config_.gloss == Gloss::Yes && has_gloss(scene_, config_.ray) ? Gloss::Yes : Gloss::No;
     trace(before);
     plan();
     if (last != nullptr && last->views.size() != request_.views.size()) last = nullptr;
@@ -125,9 +127,9 @@ class Frame {
     }
   }
   CutPlan cuts(std::size_t v) const {
-    if (!perceived()) return {plan_.cut_nodes[v], config_.ray.area_light_samples};
-    return {plan_.cut_nodes[v], config_.most_nodes, &plan_.maps[v].map,
-            low_.empty() ? nullptr : &low_[v]};
+    const bool draws = perceived() && !low_.empty();
+    return {plan_.cut_nodes[v], perceived() ? config_.most_nodes : config_.ray.area_light_samples,
+            perceived() ? &plan_.maps[v].map : nullptr, draws ? &low_[v] : nullptr, gloss_};
   }
   /// How far the denoiser smooths.
   void look(std::size_t v) {
@@ -178,6 +180,7 @@ class Frame {
       for (int y = rect.y; y < rect.y + rect.height; ++y)
         for (int x = rect.x; x < rect.x + rect.width; ++x)
           places[k].work += static_cast<float>(plan.nodes(x, y));
+      if (gloss_ == Gloss::Yes) places[k].work += gloss_work(config_, surfaces_[v].tiles[k], plan);
     }
     return places;
   }
@@ -214,6 +217,7 @@ class Frame {
       add_cut_light(scene_, tile, plan, work, slots);
     }
     add_surroundings(scene_, config_.ray, tile.points, work.lighting, slots);
+    if (gloss_ == Gloss::Yes) add_gloss(scene_, config_, tile, plan, work.lighting, slots);
     for (std::size_t i = 0; i < slots.size(); ++i) {
       const image::Pixel at = tile.pixel(i);
       light_(at.x, at.y) = slots[i];
@@ -333,6 +337,7 @@ class Frame {
   FrameBuffers& out_;
   FrameReport report_;
   std::vector<ViewSurfaces> surfaces_;
+  Gloss gloss_ = Gloss::No;
   LightPlan plan_;
   std::vector<LowPicture> low_;
   Plane<float> eccentricity_;              ///< of the view at work, radians

@@ -1,6 +1,7 @@
 #include "server/kernels/lightcuts/knobs.h"
 
 #include "server/kernels/ray/knobs.h"
+#include "shared/base/text.h"
 
 namespace macula::kernels::lightcuts {
 namespace {
@@ -49,6 +50,12 @@ bool turn_stereo(Config& c, std::string_view value) {
                                 std::pair<std::string_view, StereoReuse>{"yes", StereoReuse::Yes}});
 }
 
+bool turn_gloss(Config& c, std::string_view value) {
+  return turn_choice(c.gloss, value,
+                     std::array{std::pair<std::string_view, Gloss>{"no", Gloss::No},
+                                std::pair<std::string_view, Gloss>{"yes", Gloss::Yes}});
+}
+
 constexpr std::array kKnobs{
     CutKnob{"samples", ray::kSamplesAllowed, turn_tiles<ray::turn_samples>},
     CutKnob{"nodes", ray::kLightsAllowed, turn_tiles<ray::turn_lights>},
@@ -75,12 +82,17 @@ constexpr std::array kKnobs{
             }},
     CutKnob{"denoise", "no, yes", turn_denoise},
     CutKnob{"stereo_reuse", "no, yes", turn_stereo},
+    CutKnob{"gloss", "no, yes", turn_gloss},
 };
 
 }  // namespace
 
 Result<void> turn_knobs(std::span<const KnobValue> values, Config& config) {
-  return kernels::turn_knobs("lightcuts", kKnobs, values, config);
+  if (auto ok = kernels::turn_knobs("lightcuts", kKnobs, values, config); !ok) return ok;
+  if (config.gloss == Gloss::No || config.ray.samples_per_cell == 1) return {};
+  return base::bad_input(
+      base::concat("gloss=yes with ", config.ray.samples_per_cell, " samples a cell"),
+      "kernel lightcuts", "samples=1; reflections are averaged over frames");
 }
 
 }  // namespace macula::kernels::lightcuts

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "server/kernels/lightcuts/lobe.h"
 #include "server/sampling/sobol.h"
 #include "server/visibility/ray_offset.h"
 #include "shared/base/check.h"
@@ -33,6 +34,10 @@ void LightQuestions::answer(std::span<Answer> answers) {
   shading::reflect(reflectors_, arrivals_.arrival.to_light, arrivals_.arrival.irradiance, count_,
                    reflected_);
   for (std::size_t i = 0; i < count_; ++i) {
+    if (draws_.light.at[i] >= first_lobeless_ && is_glossy(reflectors_.alpha.at[i])) {
+      reflected_.set(i, reflect_diffusely(reflectors_, i, arrivals_.arrival.to_light[i],
+                                          arrivals_.arrival.irradiance[i]));
+    }
     answers[i].reflected = reflected_[i];
     answers[i].end = visibility::offset_ray_origin(arrivals_.position[i], arrivals_.normal[i], 0.0F,
                                                    arrivals_.span.at[i]);

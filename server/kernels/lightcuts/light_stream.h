@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "server/kernels/lightcuts/config.h"
 #include "server/kernels/ray/lighting.h"
 #include "server/kernels/scene_frame.h"
 
@@ -28,7 +29,11 @@ struct Answer {
 /// Asks up to a batch at a time.
 class LightQuestions {
  public:
-  explicit LightQuestions(const SceneFrame& scene) : scene_(scene) {}
+  /// Gloss::Yes: virtual lights do without the lobes of glossy points.
+  explicit LightQuestions(const SceneFrame& scene, Gloss gloss = Gloss::No)
+      : scene_(scene),
+        first_lobeless_(gloss == Gloss::Yes ? scene.placed_lights().first_virtual()
+                                            : scene.placed_lights().size()) {}
 
   std::size_t size() const { return count_; }
   bool full() const { return count_ == sampling::kBatch; }
@@ -38,6 +43,7 @@ class LightQuestions {
 
  private:
   const SceneFrame& scene_;
+  std::size_t first_lobeless_;  ///< light
   std::size_t count_ = 0;
   lights::LightDraws draws_{};
   sampling::Vec2Batch u_{};

@@ -8,6 +8,14 @@
 namespace macula::kernels::lightcuts {
 namespace {
 
+Config without_shortcuts_where_exact(const Config& config) {
+  Config exact = config;
+  if (config.ray.mode == Mode::Fast) return exact;
+  exact.sizes = CutSizes::Uniform;
+  exact.denoise = Denoise::No, exact.stereo = StereoReuse::No;
+  return exact;
+}
+
 /// Several samples a cell, or light apart from reflectance: kernel `ray`'s tiles with our cuts.
 FrameReport render_by_ray(const FrameRequest& request, const SceneFrame& scene,
                           const Config& config, TileScheduler& scheduler, FrameBuffers& out) {
@@ -42,20 +50,19 @@ std::vector<std::string> shortcuts(const Config& config, const SceneFrame& scene
 FrameReport LightcutsKernel::render(const FrameRequest& request, const SceneFrame& scene,
                                     History& history, TileScheduler& scheduler,
                                     FrameBuffers& out) const {
-  const bool fast = config_.ray.mode == Mode::Fast;
-  const bool perceived = fast && config_.sizes == CutSizes::Perceived;
-  const bool denoised = fast && config_.denoise == Denoise::Yes;
-  const bool one_sample = config_.ray.samples_per_cell == 1 && (out.wanted & kLight) == 0;
-  if (!perceived && !(denoised && one_sample))
-    return ray::RayKernel(config_.ray).render(request, scene, history, scheduler, out);
-  FrameReport report = one_sample
-                           ? render_deferred(request, scene, config_, history, scheduler, out)
-                           : render_by_ray(request, scene, config_, scheduler, out);
+  const Config config = without_shortcuts_where_exact(config_);
+  const bool one_sample = config.ray.samples_per_cell == 1 && (out.wanted & kLight) == 0;
+  const bool deferred = config.denoise == Denoise::Yes || config.gloss == Gloss::Yes;
+  if (config.sizes == CutSizes::Uniform && !(deferred && one_sample))
+    return ray::RayKernel(config.ray).render(request, scene, history, scheduler, out);
+  FrameReport report = one_sample ? render_deferred(request, scene, config, history, scheduler, out)
+                                  : render_by_ray(request, scene, config, scheduler, out);
   if (!report.stopped) {
     report.stopped = fill_rate(request, scheduler, out) == scheduling::Outcome::Stopped;
   }
+  if (config.ray.mode == Mode::Exact) return report;
   report.biased_shortcuts =
-      one_sample ? shortcuts(config_, scene, request.views.size()) : ray::shortcuts(scene);
+      one_sample ? shortcuts(config, scene, request.views.size()) : ray::shortcuts(scene);
   return report;
 }
 

@@ -51,7 +51,7 @@ class TileReservoirs {
         last_(last),
         view_(view),
         work_(work),
-        questions_(scene),
+        questions_(scene, plan.gloss),
         rays_(scene, work.lighting) {}
 
   void run(Plane<Reservoir>& reservoirs, std::span<Rgb> slots) {
@@ -123,8 +123,7 @@ class TileReservoirs {
     for (std::size_t k = first; k < last; ++k) sum += worth(drawn_[k].answer.reflected);
     if (!(sum > 0.0)) return;
     const auto nodes = static_cast<int>(last - first);
-    const int rays =
-        std::clamp((nodes + config_.nodes_a_ray - 1) / config_.nodes_a_ray, 1, config_.most_rays);
+    const int rays = config_.rays(nodes);
     const double step = sum / rays;
     const auto u =
         static_cast<double>(sampling::sample(tile_.points.keys[point], kChooseDimension));

@@ -27,6 +27,7 @@ struct Case {
   kernels::Mode mode = kernels::Mode::Fast;
   kernels::Reuse reuse = kernels::Reuse::Nothing;
   kernels::LightShare share = kernels::LightShare::Uniform;
+  kernels::KnobValues knobs = {};
 };
 inline std::ostream& operator<<(std::ostream& out, const Case& of) {
   return out << of.kernel << (of.mode == kernels::Mode::Exact ? " exact" : " fast");
@@ -41,6 +42,12 @@ inline const std::vector<Case>& cases() {
       {"lightcuts", "cornell", Mode::Exact},
       {"lightcuts", "cornell", Mode::Fast},
       {"lightcuts", "cornell", Mode::Fast, kernels::Reuse::Nothing, kernels::LightShare::Perceived},
+      {"lightcuts",
+       "moving",
+       Mode::Fast,
+       kernels::Reuse::Nothing,
+       kernels::LightShare::Perceived,
+       {{"gloss", "yes"}}},
       {"culling", "cornell", Mode::Exact},
       {"culling", "cornell", Mode::Fast},
       {"sphere", "primitives", Mode::Exact},
@@ -52,7 +59,7 @@ inline const std::vector<Case>& cases() {
 inline KernelList kernels_of(const Case& of) {
   kernels::KernelOptions options;
   options.mode = of.mode, options.reuse = of.reuse, options.light_share = of.share;
-  auto made = kernels::make_kernel(of.kernel, options);
+  auto made = kernels::make_kernel(of.kernel, options, of.knobs);
   EXPECT_TRUE(made) << (made ? "" : made.error().message());
   return {std::shared_ptr<const kernels::Kernel>(std::move(*made))};
 }

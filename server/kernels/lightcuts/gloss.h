@@ -1,0 +1,30 @@
+// Light that glossy and specular surfaces reflect once more: rays drawn as their lobes reflect, as
+// many as their cells have nodes, each lit where it arrives by a cut of one node. All that lamps
+// and the surroundings send to the first surface, its lobe included, is the cuts'; so a ray brings
+// neither what shines by itself where it arrives nor what lies beyond everything, and virtual
+// lights, which stand for reflected light, do without the lobe there (CutPlan::gloss). World,
+// meters. A point's light depends on itself alone. Source: Shi et al., "Foveated Stochastic
+// Lightcuts" (foveated path tracing of one bounce).
+#pragma once
+
+#include <span>
+
+#include "server/kernels/lightcuts/config.h"
+#include "server/kernels/lightcuts/cut_light.h"
+
+namespace macula::kernels::lightcuts {
+
+/// Whether any material of the scene is glossy enough, by its mean where it has a texture.
+bool has_gloss(const SceneFrame& scene, const ray::Config& config);
+
+/// Rays of a glossy cell whose cut may have so many nodes, >= 1.
+int gloss_rays(const Config& config, int nodes);
+
+/// Rays of the tile's glossy cells.
+float gloss_work(const Config& config, const SurfaceTile& tile, const CutPlan& plan);
+
+/// Adds what comes back to slots[i] for the tile's point i; slots.size() == points.count.
+void add_gloss(const SceneFrame& scene, const Config& config, const SurfaceTile& tile,
+               const CutPlan& plan, ray::LightingWork& work, std::span<Rgb> slots);
+
+}  // namespace macula::kernels::lightcuts

@@ -1,0 +1,32 @@
+// The lobe of a reflector apart from the diffuse part under it: which lobes are narrow enough for
+// rays that follow them, a direction of one, and what is left without it. World, unit directions.
+#pragma once
+
+#include <optional>
+
+#include "server/shading/reflector_batch.h"
+
+namespace macula::kernels::lightcuts {
+
+/// Widest lobe (GGX alpha, roughness .5) that shows what it reflects; wider ones look like a matt
+/// surface's light.
+inline constexpr float kWidestGloss = 0.25F;
+/// alpha: of ReflectorBatch, 0 without a lobe.
+inline bool is_glossy(float alpha) {
+  return alpha > 0.0F && alpha <= kWidestGloss;
+}
+
+struct LobeSample {
+  Vec3 to_light{0.0F};
+  Rgb weight{0.0F};  ///< of the lobe alone: f cos / pdf
+};
+/// A direction of reflector i's lobe, by visible normals (Heitz 2018), u in [0, 1)^2; none where it
+/// lies below either normal. Only for alpha > 0.
+std::optional<LobeSample> sample_lobe(const shading::ReflectorBatch& reflectors, std::size_t i,
+                                      const Vec2& u);
+/// What the diffuse part under reflector i's lobe alone reflects: as shading::reflect less the
+/// lobe.
+Rgb reflect_diffusely(const shading::ReflectorBatch& reflectors, std::size_t i,
+                      const Vec3& to_light, const Rgb& irradiance);
+
+}  // namespace macula::kernels::lightcuts
