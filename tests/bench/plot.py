@@ -8,7 +8,8 @@ culling: vpl_contrast.png (contributions with and without BLSO), limitation.png 
 with and without), error_over_kept.png, error_over_time.png and equal_time.txt (each baseline's error, read off its own
 curve at the time that flc, flc_rays and flc_fast took, over theirs).
 lightcuts: error_over_time.png (every method's error in F25 and outside over time), figure_8.png and table_4.txt (error and
-time over alpha, from --alphas); error maps and pictures per alpha (figures 5 and 7) are written by --pictures.
+time over alpha, from --alphas); error maps and pictures per alpha (figures 5 and 7) are written by --pictures; figure_9.png
+(stages of a frame beside the baseline of about equal error).
 tradeoff: KERNEL.svg (what each knob buys: error as the eye weighs it over time, both over the kernel's own
 settings, means of the scenes; the pictures beside the kernels' pages).
 Needs matplotlib (Debian: python3-matplotlib).
@@ -222,6 +223,36 @@ def lightcuts_alphas(rows, folder):
     (folder / "table_4.txt").write_text("\n".join(lines) + "\n")
 
 
+STAGES = ("tree_ms", "fpsm_ms", "cut_ms", "sample_ms", "shade_ms", "glossy_ms", "denoise_ms")
+
+
+def lightcuts_stages(rows, folder):
+    """Figure 9: where a frame's time goes, beside the baseline that errs about as much within 25 degrees."""
+    cases = sorted({(row["scene"], row["gaze"]) for row in rows})
+    default = next((row["alpha"] for row in rows if row["method"] == "sl"), None)
+    figure, axes = plt.subplots(1, len(cases), figsize=(4.2 * len(cases), 3.4), squeeze=False)
+    for axis, (scene, gaze) in zip(axes[0], cases):
+        here = select(rows, scene=scene, gaze=gaze)
+        bars = []
+        for method in ("paper", "ours"):
+            for row in [r for r in here if r["method"] == method and r["alpha"] == default]:
+                baseline = [r for r in select(here, method=row["against"]) if r["mse_f25"] > 0]
+                if row["mse_f25"] > 0 and baseline:
+                    like = min(baseline, key=lambda r: abs(math.log(r["mse_f25"] / row["mse_f25"])))
+                    bars.append((f"{like['method']} {like['mean_lspp']:.0f}", like))
+                bars.append((method, row))
+        under = [0.0] * len(bars)
+        for stage in STAGES:
+            heights = [max(row.get(stage) or 0.0, 0.0) for _, row in bars]
+            axis.bar(range(len(bars)), heights, bottom=under, label=stage.removesuffix("_ms"))
+            under = [low + height for low, height in zip(under, heights)]
+        axis.set_xticks(range(len(bars)), [name for name, _ in bars], fontsize=7)
+        axis.set(title=f"{scene}, gaze {gaze}", ylabel="CPU ms a frame")
+    axes[0][0].legend(fontsize=6)
+    figure.tight_layout()
+    figure.savefig(folder / "figure_9.png", dpi=110)
+
+
 def over_default(rows):
     """By configuration: time and error over the default's, geometric means of the scenes that have both."""
     default = {row["scene"]: row for row in rows if row["config"] == "scale=1"}
@@ -299,7 +330,7 @@ def tradeoff_curves(rows, folder):
         figure.savefig(folder / f"{kernel}.svg", metadata={"Date": None})
 
 
-PLOTS = {"tradeoff": (tradeoff_curves,), "culling": (culling_switches, culling_curves, equal_time), "lightcuts": (lightcuts_curves, lightcuts_alphas),
+PLOTS = {"tradeoff": (tradeoff_curves,), "culling": (culling_switches, culling_curves, equal_time), "lightcuts": (lightcuts_curves, lightcuts_alphas, lightcuts_stages),
          "sphere": (figure_11, figure_12, primitives, table_1)}
 
 
