@@ -105,9 +105,10 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   auto options = std::make_shared<LightcutsOptions>();
   command
       .add_option("--scenes,--scene", options->scenes,
-                  "Built-in scenes or scene files, with lights; NAME-vpl: and 120,000 virtual ones")
+                  "Built-in scenes or scene files, with lights; NAME@CAMERA: seen by that one;\n"
+                  "NAME-vpl: and 120,000 virtual ones")
       ->delimiter(',')
-      ->option_text("NAME|FILE,... (cornell-lights,study,room,yard)");
+      ->option_text("NAME|FILE,... (cornell-lights@stage,study,room,yard)");
   command.add_option("--gazes", options->gazes_deg, "Degrees to the right of the view axis")
       ->delimiter(',')
       ->check(CLI::Range(-40.0, 40.0))

@@ -8,6 +8,7 @@
 #include "server/kernels/planes.h"
 #include "server/kernels/registry.h"
 #include "server/kernels/vpl/virtual_lights.h"
+#include "server/scene/animation.h"
 #include "server/scene/load.h"
 #include "shared/image/regions.h"
 #include "tests/bench/lit_scene.h"
@@ -44,15 +45,33 @@ Plane<Rgb> mean_picture(const LightcutsSetting& setting, int nodes, int passes, 
   return mean;
 }
 
-/// A scene's name, and whether its surfaces' light is asked for as well.
+/// A scene's name, the camera it is seen by (empty: the first), and whether its surfaces' light is
+/// asked for as well.
 struct Named {
-  std::string scene;
+  std::string scene, camera;
   bool bounced = false;
 };
-Named named(const std::string& name) {
+Named named(std::string name) {
   constexpr std::string_view kBounced = "-vpl";
-  if (!name.ends_with(kBounced)) return {name, false};
-  return {name.substr(0, name.size() - kBounced.size()), true};
+  Named parts;
+  parts.bounced = name.ends_with(kBounced);
+  if (parts.bounced) name.resize(name.size() - kBounced.size());
+  const std::size_t at = name.rfind('@');
+  parts.scene = name.substr(0, at);
+  if (at != std::string::npos) parts.camera = name.substr(at + 1);
+  return parts;
+}
+
+Result<Pose> pose_of(const scene::Scene& scene, const std::string& camera) {
+  if (camera.empty()) return starting_pose(scene);
+  std::string names;
+  for (std::size_t i = 0; i < scene.cameras.size(); ++i) {
+    if (scene.cameras[i].name == camera)
+      return scene::pose_at(scene, scene::SceneTime{}).world_from_view[i];
+    names += (names.empty() ? "" : ", ") + scene.cameras[i].name;
+  }
+  return base::bad_input("the scene has no camera '" + camera + "'", scene.name,
+                         names.empty() ? "it has none: leave '@...' out" : names);
 }
 
 /// As many virtual lights as the paper's fifth scene has, but for rays that meet nothing.
@@ -73,7 +92,7 @@ FoveationMap LightcutsSetting::map() const {
 Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool half,
                                                 kernels::lightcuts::Gloss gloss,
                                                 TileScheduler& scheduler) {
-  const auto [scene_name, bounced] = named(name);
+  const auto [scene_name, camera, bounced] = named(name);
   const auto loaded = scene::load_scene(scene_name);
   if (!loaded) return base::forward(loaded);
   if (auto ok = kernels::check_scene("lightcuts", **loaded); !ok) return base::forward(ok);
@@ -88,13 +107,15 @@ Result<LightcutsSetting> LightcutsSetting::make(const std::string& name, bool ha
     return base::bad_input("the scene has no light with a place", name,
                            "scenes with point lights, spots or emissive triangles");
   }
+  const Result<Pose> pose = pose_of(**loaded, camera);
+  if (!pose) return base::forward(pose);
   LightcutsSetting setting;
   setting.gloss = gloss;
   setting.timeline = std::move(*timeline);
   setting.scene = std::move(*frame);
   setting.display = paper_display(half);
   setting.view.grid = foveation::make_uniform_grid(setting.display);
-  setting.view.world_from_view = starting_pose(**loaded);
+  setting.view.world_from_view = *pose;
   setting.lights = setting.scene->placed_lights().size();
   constexpr int kExposureNodes = 8;
   setting.view.tone.exposure_ev =

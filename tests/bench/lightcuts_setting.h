@@ -22,7 +22,8 @@ struct LightcutsSetting {
   kernels::lightcuts::Gloss gloss = kernels::lightcuts::Gloss::No;  ///< of every method
 
   /// 720 x 850 pixels (or half of that) of equal sides, tangents of +- 1.1 across; exposure brings
-  /// the mean to middle grey. A name that ends in -vpl: the scene with 120,000 virtual lights, or
+  /// the mean to middle grey. NAME@CAMERA: by that
+  /// camera, not the first. A name that ends in -vpl: the scene with 120,000 virtual lights, or
   /// fewer where rays meet nothing; `scheduler` must then outlive the setting.
   static Result<LightcutsSetting> make(const std::string& scene, bool half,
                                        kernels::lightcuts::Gloss gloss,
