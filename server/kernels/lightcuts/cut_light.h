@@ -29,8 +29,8 @@ struct CutPlan {
   int most_nodes = 1;
   const Plane<float>* map = nullptr;  ///< taken with probability 1 - map; with `low`
   const LowPicture* low = nullptr;    ///< none: walks only
-  /// Yes: what surfaces reflect to glossy points arrives by other rays; virtual lights do without
-  /// their lobes.
+  /// Yes: glossy points have rays of their own (gloss.h); lights that these meet do without the
+  /// points' lobes.
   Gloss gloss = Gloss::No;
 };
 

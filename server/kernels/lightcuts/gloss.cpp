@@ -60,7 +60,6 @@ class GlossRays {
     work_.trace_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
     work_.shadow_rays += static_cast<std::uint64_t>(rays_.count);
     meet();
-    std::fill_n(lit_.begin(), met_.count, Rgb{0.0F});
     ray::Lighting(scene_, config_).add(met_, {lit_.data(), met_.count}, work_);
     deliver();
     rays_.clear();
@@ -76,6 +75,7 @@ class GlossRays {
     const int i = rays_.push(points_.ray_origin[point], to_light, 0.0F, kInfinity, rule);
     Sent& sent = sent_[static_cast<std::size_t>(i)];
     sent.point = point, sent.weight = weight;
+    sent.sees_lamps = is_mirror(points_.reflectors.alpha.at[point]);
     sent.key.value = math::hash_combine(math::hash_combine(key.value, kMetDimension), round);
   }
 
@@ -92,7 +92,10 @@ class GlossRays {
       group_.collect(rays_, hits_, rays);
       std::fill_n(group_.sample_area.at, rays.size(), 0.0F);
       group_.shade(scene_, config_);
-      for (std::size_t k = 0; k < rays.size(); ++k) own(rays[k], met_.count + k);
+      for (std::size_t k = 0; k < rays.size(); ++k) {
+        own(rays[k], met_.count + k);
+        if (sent_[rays[k]].sees_lamps) lit_[met_.count + k] = group_.emission(k, scene_);
+      }
       met_.append(group_);
     }
   }
@@ -102,11 +105,13 @@ class GlossRays {
     request.surface = scene_.surface(hits_.at(i), DVec3(rays_.origin(i) + hits_.t[i] * ray));
     request.to_eye = -ray;
     own(static_cast<std::uint16_t>(i), met_.count);
-    met_.push(request.surface, ray::shade_point(request, scene_, config_).reflector,
-              sent_[static_cast<std::size_t>(i)].key);
+    const ray::ShadedPoint shaded = ray::shade_point(request, scene_, config_);
+    const Sent& sent = sent_[static_cast<std::size_t>(i)];
+    if (sent.sees_lamps) lit_[met_.count] = shaded.emission;
+    met_.push(request.surface, shaded.reflector, sent.key);
   }
   void own(std::uint16_t ray, std::size_t place) {
-    owner_[place] = ray;
+    owner_[place] = ray, lit_[place] = Rgb{0.0F};
     met_.keys[place] = sent_[ray].key;
   }
 
@@ -122,6 +127,7 @@ class GlossRays {
   struct Sent {
     std::uint32_t point = 0;
     Rgb weight{0.0F};
+    bool sees_lamps = false;  ///< emissive triangles: no cut has them
     sampling::SampleKey key;  ///< of the point it meets
   };
 

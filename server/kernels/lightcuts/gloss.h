@@ -1,8 +1,9 @@
 // Light that glossy and specular surfaces reflect once more: rays drawn as their lobes reflect, as
-// many as their cells have nodes, each lit where it arrives by a cut of one node. All that lamps
-// and the surroundings send to the first surface, its lobe included, is the cuts'; so a ray brings
-// neither what shines by itself where it arrives nor what lies beyond everything, and virtual
-// lights, which stand for reflected light, do without the lobe there (CutPlan::gloss). World,
+// many as their cells have nodes, each lit where it arrives by a cut of one node. Nothing is
+// counted twice (CutPlan::gloss): what lamps and the surroundings send to the first surface, its
+// lobe included, is the cuts', and a ray brings neither what shines by itself where it arrives nor
+// what lies beyond everything. But virtual lights stand for what rays of glossy points meet, and
+// rays of mirrors bring what emissive triangles shine: their cuts do without the lobe. World,
 // meters. A point's light depends on itself alone. Source: Shi et al., "Foveated Stochastic
 // Lightcuts" (foveated path tracing of one bounce).
 #pragma once

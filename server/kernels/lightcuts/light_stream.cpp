@@ -34,7 +34,7 @@ void LightQuestions::answer(std::span<Answer> answers) {
   shading::reflect(reflectors_, arrivals_.arrival.to_light, arrivals_.arrival.irradiance, count_,
                    reflected_);
   for (std::size_t i = 0; i < count_; ++i) {
-    if (draws_.light.at[i] >= first_lobeless_ && is_glossy(reflectors_.alpha.at[i])) {
+    if (leaves_out_lobe(i)) {
       reflected_.set(i, reflect_diffusely(reflectors_, i, arrivals_.arrival.to_light[i],
                                           arrivals_.arrival.irradiance[i]));
     }
@@ -43,6 +43,14 @@ void LightQuestions::answer(std::span<Answer> answers) {
                                                    arrivals_.span.at[i]);
   }
   count_ = 0;
+}
+
+/// Virtual lights stand for what glossy points see; mirrors see emissive triangles, too.
+bool LightQuestions::leaves_out_lobe(std::size_t i) const {
+  const float alpha = reflectors_.alpha.at[i];
+  if (gloss_ == Gloss::No || !is_glossy(alpha)) return false;
+  if (draws_.light.at[i] >= scene_.placed_lights().first_virtual()) return true;
+  return is_mirror(alpha) && arrivals_.normal[i] != Vec3{0.0F};
 }
 
 void ShadowRays::push(const ShadowRay& ray, const Delivery& delivery, std::span<Rgb> slots) {

@@ -29,11 +29,9 @@ struct Answer {
 /// Asks up to a batch at a time.
 class LightQuestions {
  public:
-  /// Gloss::Yes: virtual lights do without the lobes of glossy points.
+  /// Gloss::Yes: lights that rays of glossy points meet do without these points' lobes.
   explicit LightQuestions(const SceneFrame& scene, Gloss gloss = Gloss::No)
-      : scene_(scene),
-        first_lobeless_(gloss == Gloss::Yes ? scene.placed_lights().first_virtual()
-                                            : scene.placed_lights().size()) {}
+      : scene_(scene), gloss_(gloss) {}
 
   std::size_t size() const { return count_; }
   bool full() const { return count_ == sampling::kBatch; }
@@ -42,8 +40,10 @@ class LightQuestions {
   void answer(std::span<Answer> answers);
 
  private:
+  bool leaves_out_lobe(std::size_t i) const;
+
   const SceneFrame& scene_;
-  std::size_t first_lobeless_;  ///< light
+  Gloss gloss_;
   std::size_t count_ = 0;
   lights::LightDraws draws_{};
   sampling::Vec2Batch u_{};

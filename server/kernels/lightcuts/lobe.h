@@ -16,6 +16,13 @@ inline bool is_glossy(float alpha) {
   return alpha > 0.0F && alpha <= kWidestGloss;
 }
 
+/// Lobes so narrow (roughness .15) that a light which is drawn without regard to them hardly ever
+/// lies in one: lamps with an extent are met by rays that follow them.
+inline constexpr float kWidestMirror = 0.0225F;
+inline bool is_mirror(float alpha) {
+  return alpha > 0.0F && alpha <= kWidestMirror;
+}
+
 struct LobeSample {
   Vec3 to_light{0.0F};
   Rgb weight{0.0F};  ///< of the lobe alone: f cos / pdf

@@ -115,7 +115,7 @@ TEST_P(GlossReference, OneBounceIsBruteForcesAndNothingIsCountedTwice) {
   const Estimate truth = brute_force(*scene, 1, 1000);
   const Estimate found = ball(LightcutsKernel(glossy()), *scene, 5000);
   EXPECT_LT(found.off(truth), 4.0) << found.mean << " for " << truth.mean;
-  EXPECT_LT(std::hypot(found.error, truth.error), 0.02 * truth.mean)
+  EXPECT_LT(std::hypot(found.error, truth.error), 0.03 * truth.mean)
       << "means as uncertain as this would show nothing";
   const Estimate direct = ball(LightcutsKernel(glossy(Gloss::No)), *scene, 5000);
   EXPECT_GT(direct.off(truth), 4.0) << "without a bounce it must fail";
@@ -128,7 +128,7 @@ TEST_P(GlossReference, OneBounceIsBruteForcesAndNothingIsCountedTwice) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Materials, GlossReference,
-                         testing::Values(metal(0.3F), metal(0.5F), varnish(0.35F)));
+                         testing::Values(metal(0.14F), metal(0.3F), metal(0.5F), varnish(0.35F)));
 
 TEST(GlossPass, WhatLiesUnderAVarnishIsNotReflectedAgain) {
   const auto bounce_of = [](float albedo) {
