@@ -62,6 +62,9 @@ Run declare_culling(CLI::App& command, Pace pace) {
   command.add_option("--frames", options->frames, "That are timed; the last is judged")
       ->check(CLI::Range(2, 1000))
       ->option_text("N (4)");
+  command.add_option("--seed", options->seed, "Of all that is drawn: another tells what is chance")
+      ->check(CLI::Range(1, 1 << 20))
+      ->option_text("N (1)");
   add_threads(command, options->threads);
   add_references(command, options->references);
   command.add_option("--pictures", options->pictures, "Judged pictures")->option_text("FOLDER");

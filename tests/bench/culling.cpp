@@ -101,7 +101,7 @@ class Comparison {
     if (auto ok = turn_knobs(options_.knobs, config); !ok) return forward(ok);
     const bool fourth = method.rendering == Rendering::Fourth;
     CullingSession session(setting_, fourth ? setting_.thinned_eye() : setting_.eye(), config,
-                           scheduler_);
+                           static_cast<std::uint64_t>(options_.seed), scheduler_);
     Rendered mean;
     std::vector<Plane<Rgb>> rows;
     for (int k = 0; k <= judged_frame(); ++k) {
@@ -185,6 +185,7 @@ Fields config_of(const CullingOptions& options) {
           {"warm_up", std::int64_t{options.warm_up}},
           {"frames", std::int64_t{options.frames}},
           {"knobs", options.knobs},
+          {"seed", std::int64_t{options.seed}},
           {"threads", std::int64_t{options.threads}}};
 }
 

@@ -22,6 +22,7 @@ struct CullingOptions {
   int reference_samples = 4096;  ///< paths for each of them, of each half-reference
   int warm_up = 8;               ///< frames that are not measured
   int frames = 4;                ///< frames that are timed; the last is judged
+  int seed = 1;                  ///< of every draw: another one tells what is chance
   int threads = 0;               ///< 0: all the machine has
   std::string knobs;             ///< of the kernel, turned for every method; "name=value ..."
   std::string references;        ///< folder; empty: ~/.cache/macula-bench

@@ -59,14 +59,14 @@ constexpr std::array kMethods{
                   Rendering::Picture, kInEveryPixel},
     CullingMethod{"flc_some", "flc_rays, 8 rays a pixel, drawn by what lights would bring",
                   [](Config& c) { c.asked = 8; }},
-    CullingMethod{"flc_fast",
-                  "the kernel's own: flc_some in every second pixel each way, 4 classes",
-                  [](Config& c) {
-                    c.asked = 8;
-                    c.classes = 4;
-                    c.space = Space::Thinned;
-                    c.picture_frames = 8;
-                  }},
+    CullingMethod{
+        "flc_fast",
+        "the kernel's own, no picture memory: flc_some in every second pixel each way, 4 classes",
+        [](Config& c) {
+          c.asked = 8;
+          c.classes = 4;
+          c.space = Space::Thinned;
+        }},
     CullingMethod{"fir", "foveated instant radiosity: lights from the camera",
                   [](Config& c) {
                     set_paper(c);

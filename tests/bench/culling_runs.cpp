@@ -43,7 +43,7 @@ Result<Rendered> CullingSession::frame(int index) {
   const auto scene = setting_.frame(index);
   if (!scene) return forward(scene);
   const kernels::FrameRequest request{
-      {&eye_.view, 1}, *eye_.map, static_cast<std::uint64_t>(index), kSeed};
+      {&eye_.view, 1}, *eye_.map, static_cast<std::uint64_t>(index), seed_};
   Stopwatch watch;
   const auto report = kernel_.render(request, **scene, history_, scheduler_, buffers_);
   Rendered rendered;

@@ -30,8 +30,13 @@ struct Rendered {
 class CullingSession {
  public:
   CullingSession(const CullingSetting& setting, CullingSetting::Eye eye,
-                 const kernels::culling::Config& config, scheduling::TileScheduler& scheduler)
-      : setting_(setting), eye_(std::move(eye)), kernel_(config), scheduler_(scheduler) {}
+                 const kernels::culling::Config& config, std::uint64_t seed,
+                 scheduling::TileScheduler& scheduler)
+      : setting_(setting),
+        eye_(std::move(eye)),
+        kernel_(config),
+        seed_(seed),
+        scheduler_(scheduler) {}
 
   Result<Rendered> frame(int index);
 
@@ -39,6 +44,7 @@ class CullingSession {
   const CullingSetting& setting_;
   const CullingSetting::Eye eye_;
   kernels::culling::CullingKernel kernel_;
+  const std::uint64_t seed_;
   scheduling::TileScheduler& scheduler_;
   kernels::History history_;
   kernels::FrameBuffers buffers_;
