@@ -4,8 +4,8 @@
 sphere: figure_11.png (speed-up without foveation over samples a pixel), figure_12.png (time a frame
 over the fovea's radius), primitives.png (time a frame over the number of primitives, from scenes
 primitives-N) and table_1.txt (SSIM and FLIP at the fovea nearest 7.5 degrees).
-culling: vpl_contrast.png (contributions with and without BLSO), limitation.png (log-polar space and interleaving,
-with and without), error_over_kept.png, error_over_time.png and equal_time.txt (each baseline's error, read off its own
+culling: vpl_contrast.svg (contributions with and without BLSO), limitation.svg (log-polar space and interleaving,
+with and without), error_over_kept.svg, error_over_time.svg and equal_time.txt (each baseline's error, read off its own
 curve at the time that flc, flc_rays and flc_fast took, over theirs).
 lightcuts: error_over_time.png (every method's error in F25 and outside over time), figure_8.png and table_4.txt (error and
 time over alpha, from --alphas); error maps and pictures per alpha (figures 5 and 7) are written by --pictures; figure_9.png
@@ -102,6 +102,7 @@ def table_1(rows, folder):
 
 def culling_curves(rows, folder):
     """RMSE in the fovea over lights kept and over time, a column a scene and motion."""
+    plt.rcParams["svg.fonttype"] = "none"
     cases = sorted({(row["scene"], row["motion"]) for row in rows})
     for name, key, unit in (("error_over_kept", "asked_for", "virtual lights kept"),
                             ("error_over_time", "cpu_ms", "CPU ms a frame")):
@@ -118,13 +119,18 @@ def culling_curves(rows, folder):
                         axis.plot(*zip(*points), "o-", label=method)
                 axis.set(title=f"{scene}, {motion}", xlabel=unit, ylabel=region, xscale="log",
                          ylim=(0, None))
+                if key == "asked_for":
+                    asked = [kept for kept in values(here, key) if kept > 0]  # 0: all
+                    axis.set_xticks(asked, asked, fontsize=7)
+                    axis.minorticks_off()
         axes[0][0].legend(fontsize=6)
         figure.tight_layout()
-        figure.savefig(folder / f"{name}.png", dpi=110)
+        figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
 
 
 def culling_switches(rows, folder):
     """The paper's figures VPLContrast and Limitation: flc beside itself with one of its parts off."""
+    plt.rcParams["svg.fonttype"] = "none"
     figures = {"vpl_contrast": ("flc", "flc_no_blso"),
                "limitation": ("flc", "flc_no_logpolar", "flc_no_classes")}
     for name, methods in figures.items():
@@ -148,7 +154,7 @@ def culling_switches(rows, folder):
         figure.suptitle(f"K = {most}", fontsize=9)
         figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncol=len(methods), fontsize=7)
         figure.tight_layout(rect=(0, 0.06, 1, 1))
-        figure.savefig(folder / f"{name}.png", dpi=110)
+        figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
 
 
 def read_off(points, at):
