@@ -137,7 +137,10 @@ def culling_switches(rows, folder):
         kept = [row for row in rows if row["method"] in methods]
         if {row["method"] for row in kept} != set(methods):
             continue
-        most = max(values(kept, "asked_for"))
+        asked = values(kept, "asked_for")
+        if name == "vpl_contrast":  # where nothing is culled they are one
+            asked = [k for k in asked if 2 * k <= min(values(kept, "vpls"))] or asked
+        most = max(asked)
         cases = sorted({(row["scene"], row["motion"]) for row in kept})
         figure, axes = plt.subplots(1, 3, figsize=(7 + 2 * len(cases), 3.8))
         for axis, (key, label) in zip(axes, (("rmse_in150", "RMSE in the fovea"),
