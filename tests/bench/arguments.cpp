@@ -77,6 +77,16 @@ Result<DVec2> parse_pair(const std::string& option, const std::string& text) {
   return DVec2{(*values)[0], (*values)[1]};
 }
 
+Result<foveation::RateModel> parse_ramp(const std::string& option, const std::string& text) {
+  const auto values = numbers(text, 3);
+  if (values) {
+    const double inner = (*values)[0], outer = (*values)[1], floor = (*values)[2];
+    if (0.0 <= inner && inner < outer && outer <= 180.0 && floor > 0.0 && floor <= 1.0)
+      return foveation::RateModel{foveation::RateCurve::Ray, Degrees{inner}, Degrees{outer}, floor};
+  }
+  return refuse(option, text, "INNER,OUTER,FLOOR: two angles and the least rate, e.g. 10,35,0.05");
+}
+
 Result<StillGaze> parse_gaze(const std::string& option, const std::string& text) {
   const auto pair = parse_pair(option, text);
   if (!pair) return forward(pair);

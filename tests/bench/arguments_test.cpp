@@ -34,6 +34,16 @@ TEST(Arguments, ReadAGazeWithinTheSphere) {
   }
 }
 
+TEST(Arguments, ARampHasTwoAnglesThatRiseAndAFloor) {
+  const auto ramp = parse_ramp("--ramps", "8,30,0.05");
+  ASSERT_TRUE(ramp);
+  EXPECT_EQ(ramp->inner.value(), 8.0);
+  EXPECT_EQ(ramp->outer.value(), 30.0);
+  EXPECT_EQ(ramp->floor, 0.05);
+  for (const char* text : {"", "8,30", "30,8,0.05", "-1,30,0.05", "8,181,0.05", "8,30,0", "8,30,2"})
+    EXPECT_FALSE(parse_ramp("--ramps", text)) << text;
+}
+
 TEST(Arguments, ReadACameraInTheFilesOwnUnits) {
   const auto camera = parse_camera("--camera", "0,1,6.8;0,1,0;0,1,0;19.5");
   ASSERT_TRUE(camera);

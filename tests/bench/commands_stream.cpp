@@ -109,6 +109,10 @@ Run declare_maps(CLI::App& command, Pace pace) {
   add_scenes(command, options->scenes, "posts,atrium,city");
   command.add_option("--gazes", options->gazes, "Where the eye looks; give it several times")
       ->option_text("YAW,PITCH ... (0,0 15,-8)");
+  command
+      .add_option("--ramps", options->ramps,
+                  "Our maps: full rate to INNER degrees, falling to FLOOR at OUTER")
+      ->option_text("INNER,OUTER,FLOOR ... (10,35,0.05 8,30,0.05 3,28,0.12 2,22,0.12)");
   add_size(command, "Pixels of the display (1440x1600)", options->width_px, options->height_px);
   command.add_option("--fov", options->vertical_fov_deg, "Vertical field of view, degrees")
       ->check(CLI::Range(10.0, 140.0))

@@ -64,27 +64,33 @@ foveation::RateModel cortical(double floor) {
   return model;
 }
 
-/// Full rate to `inner`, falling to `floor` at `outer` degrees.
-foveation::RateModel ramp(double inner, double outer, double floor) {
-  return {foveation::RateCurve::Ray, Degrees{inner}, Degrees{outer}, floor};
-}
-
 PixelGrid our_grid(const foveation::Display& display, const Gaze& gaze,
                    const foveation::RateModel& model, double radius_deg) {
   return foveation::make_foveal_grid(display, gaze, model,
                                      {.full_rate_radius = Degrees{radius_deg}});
 }
 
-std::vector<NamedGrid> grids_for(const foveation::Display& display, const Gaze& gaze) {
+/// Degrees as they are given: ramp-10-35.
+std::string name_of(const foveation::RateModel& ramp) {
+  char name[64];
+  std::snprintf(name, sizeof name, "ramp-%g-%g", ramp.inner.value(), ramp.outer.value());
+  return name;
+}
+
+Result<std::vector<NamedGrid>> grids_for(const foveation::Display& display, const Gaze& gaze,
+                                         const std::vector<std::string>& ramps) {
   const DVec2 at = place_of(display, gaze);
-  return {{"uniform-25", uniform_quarter(display)},
-          {"alvr", alvr_grid(display, at)},
-          {"wivrn-50", wivrn_grid(display, at, 0.5)},
-          {"wivrn-30", wivrn_grid(display, at, 0.3)},
-          {"cortical", our_grid(display, gaze, cortical(0.02), 5.0)},
-          {"ramp-10-45", our_grid(display, gaze, ramp(10.0, 45.0, 0.03), 0.0)},
-          {"ramp-8-45", our_grid(display, gaze, ramp(8.0, 45.0, 0.03), 0.0)},
-          {"ramp-10-35", our_grid(display, gaze, ramp(10.0, 35.0, 0.05), 0.0)}};
+  std::vector<NamedGrid> grids{{"uniform-25", uniform_quarter(display)},
+                               {"alvr", alvr_grid(display, at)},
+                               {"wivrn-50", wivrn_grid(display, at, 0.5)},
+                               {"wivrn-30", wivrn_grid(display, at, 0.3)},
+                               {"cortical", our_grid(display, gaze, cortical(0.02), 5.0)}};
+  for (const std::string& words : ramps) {
+    const auto model = parse_ramp("--ramps", words);
+    if (!model) return forward(model);
+    grids.push_back({name_of(*model), our_grid(display, gaze, *model, 0.0)});
+  }
+  return grids;
 }
 
 /// Bytes and quality at each of many JPEG qualities; both rise.
@@ -158,7 +164,9 @@ Result<void> add_rows(const MapsOptions& options, const std::string& scene,
   const foveation::Display display{math::symmetric_fov(Degrees{options.vertical_fov_deg}, aspect),
                                    options.width_px, options.height_px};
   Judge judge(*setting, display, gaze);
-  const std::vector<NamedGrid> grids = grids_for(display, gaze);
+  const auto made = grids_for(display, gaze, options.ramps);
+  if (!made) return forward(made);
+  const std::vector<NamedGrid>& grids = *made;
   std::vector<Curve> curves;
   for (const NamedGrid& named : grids) {
     auto curve = judge.curve_of(named.grid);
@@ -201,9 +209,10 @@ Result<void> run_maps(const MapsOptions& options) {
                  {"height_px", std::int64_t{options.height_px}},
                  {"vertical_fov_deg", options.vertical_fov_deg}},
                 {}};
-  constexpr std::int64_t kMaps = 8;
-  Progress progress(
-      "maps", kMaps * static_cast<std::int64_t>(options.scenes.size() * options.gazes.size()));
+  constexpr std::size_t kFixed = 5;  // maps besides the ramps
+  const std::size_t pictures =
+      (kFixed + options.ramps.size()) * options.scenes.size() * options.gazes.size();
+  Progress progress("maps", static_cast<std::int64_t>(pictures));
   for (const std::string& scene : options.scenes) {
     for (const std::string& gaze : options.gazes) {
       if (auto done = add_rows(options, scene, gaze, progress, report); !done) return done;

@@ -17,6 +17,8 @@ namespace macula::bench {
 struct MapsOptions {
   std::vector<std::string> scenes{"posts", "atrium", "city"};
   std::vector<std::string> gazes{"0,0", "15,-8"};  ///< yaw,pitch in degrees
+  /// Ours: full rate to the first angle, falling to the last number at the second; degrees.
+  std::vector<std::string> ramps{"10,35,0.05", "8,30,0.05", "3,28,0.12", "2,22,0.12"};
   int width_px = 1440, height_px = 1600;
   double vertical_fov_deg = 96.0;
   int threads = 0;
