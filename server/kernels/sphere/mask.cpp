@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "server/kernels/sphere/importance.h"
+#include "server/scheduling/row_bands.h"
 #include "shared/foveation/eccentricity.h"
 
 namespace macula::kernels::sphere {
@@ -144,8 +145,13 @@ Plane<std::uint8_t> important_cells(const View& view, const Plane<float>& edges,
                                     const MaskConfig& config, TileScheduler& scheduler) {
   Plane<std::uint8_t> important(view.grid.width(), view.grid.height(), 0);
   Chooser chooser(view, edges, frame, seed, config, important);
-  scheduler.run(static_cast<std::size_t>(edges.height()),
-                [&](std::size_t row) { chooser.choose_row(static_cast<int>(row)); });
+  scheduling::RowBands bands(scheduler, edges.height());
+  bands.run(bands.own(), [&](int low_y) { chooser.choose_row(low_y); });
+  bands.gather(scheduling::Audience::EveryRank, [&](int low_y, scheduling::Parcel& parcel) {
+    const int begin = kLowSide * low_y;
+    for (int y = begin; y < std::min(begin + kLowSide, important.height()); ++y)
+      parcel.values(important.row(y));
+  });
   return important;
 }
 
