@@ -44,11 +44,11 @@ Result<void> agree(cluster::MpiRanks& ranks, const Result<void>& mine, const std
   scheduling::Bytes bytes;
   Parcel packing = Parcel::packing(bytes);
   report.carry(packing);
-  scheduling::Gathered all;
+  std::vector<scheduling::Bytes> all;
   if (!ranks.all_gather(bytes, all)) return base::runtime_error(ranks.lost(), "cluster");
-  std::vector<Report> reports(all.ranks());
+  std::vector<Report> reports(all.size());
   for (std::size_t rank = 0; rank < reports.size(); ++rank) {
-    Parcel parcel = Parcel::unpacking(all.of(rank));
+    Parcel parcel = Parcel::unpacking(all[rank]);
     reports[rank].carry(parcel);
   }
   const auto fail = [&](std::string text, std::string remedy, base::ErrorKind kind) {

@@ -25,6 +25,7 @@ void FrameOrder::carry(Parcel& parcel) {
   parcel.value(ends), parcel.value(kernel), parcel.value(history);
   parcel.vector(forgotten);
   parcel.value(scene_time), parcel.value(frame), parcel.value(seed), parcel.value(wanted);
+  parcel.value(watched);
   each(views, parcel, [&](kernels::View& view) {
     parcel.value(view.world_from_view);
     cluster::carry(view.grid, parcel);

@@ -19,7 +19,8 @@ struct FrameOrder {
   std::vector<std::uint64_t> forgotten;  ///< histories that rank 0 has no more
   kernels::SceneTime scene_time{};
   std::uint64_t frame = 0, seed = 0;
-  unsigned wanted = 0;  ///< PlaneFlag bits
+  unsigned wanted = 0;   ///< PlaneFlag bits
+  bool watched = false;  ///< ranks tell what everything cost, for measurements
   std::vector<kernels::View> views;
   std::vector<FoveationMap::ViewInput> foveation;
   foveation::RateModel model;

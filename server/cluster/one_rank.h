@@ -1,7 +1,6 @@
 // OneRank: a group of this process alone, for what wants to see a frame's passes without others.
 #pragma once
 
-#include <algorithm>
 #include <atomic>
 
 #include "server/scheduling/rank_group.h"
@@ -12,18 +11,7 @@ class OneRank final : public scheduling::RankGroup {
  public:
   int rank() const override { return 0; }
   int size() const override { return 1; }
-  bool all_gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
-    const std::size_t size = mine.size();
-    all = scheduling::Gathered({&size, 1});
-    return gather(mine, all);
-  }
-  bool gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
-    std::ranges::copy(mine, all.of(0).begin());
-    return true;
-  }
-  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override {
-    return all_gather(to.front(), from);
-  }
+  bool trade(scheduling::Mail&) override { return true; }
   bool broadcast(scheduling::Bytes&) override { return true; }
   void begin_tickets() override { tickets_ = 0; }
   std::size_t take_ticket() override { return tickets_++; }

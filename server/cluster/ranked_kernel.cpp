@@ -49,13 +49,18 @@ scheduling::PlaceThen turned(std::span<const kernels::View> now,
   };
 }
 
+struct Watch {
+  bool wanted = false;          ///< the same on all ranks
+  const FrameWatcher& watcher;  ///< of this one; may be none
+};
+
 /// Every rank's part of a frame: the kernel, with its passes shared.
 kernels::FrameReport render_shared(scheduling::RankGroup& ranks, scheduling::Balance balance,
                                    const kernels::Kernel& kernel,
                                    const kernels::FrameRequest& request,
                                    const kernels::SceneFrame& scene, RankMemory& memory,
                                    scheduling::TileScheduler& scheduler, kernels::FrameBuffers& out,
-                                   const FrameWatcher& watcher) {
+                                   const Watch& watch) {
   const auto begin = std::chrono::steady_clock::now();
   const double begin_cpu = base::thread_cpu_ms();
   const std::vector<kernels::View> last =
@@ -66,10 +71,11 @@ kernels::FrameReport render_shared(scheduling::RankGroup& ranks, scheduling::Bal
   kernels::FrameReport report = kernel.render(request, scene, memory.history, scheduler, out);
   scheduler.share(nullptr);
   if (report.stopped) memory.forecast = {};
-  if (watcher) {
-    const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
-    watcher({sharing.passes(), wall.count(), base::thread_cpu_ms() - begin_cpu, sharing.body_ms()});
-  }
+  if (!watch.wanted) return report;
+  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
+  const double cpu_ms = base::thread_cpu_ms() - begin_cpu;
+  if (report.stopped || !sharing.tell_row_costs()) return report;
+  if (watch.watcher) watch.watcher({sharing.passes(), wall.count(), cpu_ms, sharing.body_ms()});
   return report;
 }
 
@@ -126,7 +132,7 @@ kernels::FrameReport RankedKernel::render(const kernels::FrameRequest& request,
   order.kernel = index_, order.history = record->id;
   order.forgotten = leader_->take_forgotten();
   order.scene_time = scene.time(), order.frame = request.frame, order.seed = request.seed;
-  order.wanted = out.wanted;
+  order.wanted = out.wanted, order.watched = static_cast<bool>(leader_->watcher_);
   order.views.assign(request.views.begin(), request.views.end());
   for (std::size_t v = 0; v < request.foveation.view_count(); ++v)
     order.foveation.push_back(request.foveation.view(v));
@@ -134,7 +140,7 @@ kernels::FrameReport RankedKernel::render(const kernels::FrameRequest& request,
   scheduling::Bytes bytes = order.bytes();
   if (!leader_->ranks_->broadcast(bytes)) return stopped;
   return render_shared(*leader_->ranks_, leader_->balance_, *kernel_, request, scene,
-                       record->memory, scheduler, out, leader_->watcher_);
+                       record->memory, scheduler, out, {order.watched, leader_->watcher_});
 }
 
 Result<void> follow(scheduling::RankGroup& ranks, const Followed& followed) {
@@ -153,7 +159,8 @@ Result<void> follow(scheduling::RankGroup& ranks, const Followed& followed) {
     MACULA_CHECK(order.kernel < followed.kernels.size(), "ranks have the same kernels");
     out.wanted = order.wanted;
     (void)render_shared(ranks, followed.balance, *followed.kernels[order.kernel], request, **scene,
-                        memories[order.history], followed.scheduler, out, followed.watcher);
+                        memories[order.history], followed.scheduler, out,
+                        {order.watched, followed.watcher});
     if (!ranks.lost().empty()) return tl::unexpected(lost(ranks));
   }
 }

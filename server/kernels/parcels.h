@@ -34,11 +34,6 @@ void for_each_plane(ViewBuffers& view, const Apply& apply) {
 inline void carry(ViewBuffers& view, const image::Rect& rect, Parcel& parcel) {
   for_each_plane(view, [&](auto& plane) { parcel.rect(plane, rect); });
 }
-/// The cells whose `mask` is `wanted`.
-inline void carry(ViewBuffers& view, const image::Rect& rect,
-                  const image::Plane<std::uint8_t>& mask, std::uint8_t wanted, Parcel& parcel) {
-  for_each_plane(view, [&](auto& plane) { parcel.masked(plane, rect, mask, wanted); });
-}
 inline void carry(ViewBuffers& view, std::span<const image::Pixel> cells, Parcel& parcel) {
   for_each_plane(view, [&](auto& plane) { parcel.cells(plane, cells); });
 }

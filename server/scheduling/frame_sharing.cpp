@@ -3,10 +3,11 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 #include "server/scheduling/rank_group.h"
-#include "server/scheduling/tile_scheduler.h"
+#include "server/scheduling/run_timed.h"
 #include "shared/base/check.h"
 #include "shared/base/cpu_time.h"
 
@@ -19,30 +20,33 @@ double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
+/// Processor time of this thread between readings.
+class CpuLaps {
+ public:
+  double lap_ms() {
+    const double before = std::exchange(last_ms_, base::thread_cpu_ms());
+    return last_ms_ - before;
+  }
+
+ private:
+  double last_ms_ = base::thread_cpu_ms();
+};
+
 struct TileCost {
   std::uint32_t tile = 0;
   float cost_ms = 0.0F;
 };
 
-/// What a rank tells of its tiles before it hands them over.
+/// What a rank tells of its tiles before what they leave behind.
 struct Summary {
-  std::uint64_t payload_bytes = 0;
   std::uint8_t stopped = 0;
   std::vector<TileCost> tiles;
 
   void carry(Parcel& parcel) {
-    parcel.value(payload_bytes);
     parcel.value(stopped);
     parcel.vector(tiles);
   }
 };
-
-Summary read_summary(std::span<const std::byte> bytes) {
-  Summary summary;
-  Parcel parcel = Parcel::unpacking(bytes);
-  summary.carry(parcel);
-  return summary;
-}
 
 }  // namespace
 
@@ -50,12 +54,6 @@ Summary read_summary(std::span<const std::byte> bytes) {
 struct FrameSharing::Own {
   std::vector<TileCost> tiles;
   std::atomic<bool> left_out{false};
-
-  void run(std::size_t slot, const TileBody& body) {
-    const double begin = base::thread_cpu_ms();
-    body(tiles[slot].tile);
-    tiles[slot].cost_ms = static_cast<float>(base::thread_cpu_ms() - begin);
-  }
 };
 
 bool FrameSharing::leaves(const std::stop_token& stop, Own& own) {
@@ -69,102 +67,110 @@ bool FrameSharing::leaves(const std::stop_token& stop, Own& own) {
 void FrameSharing::run_assigned(TileScheduler& scheduler, const std::vector<std::uint32_t>& tiles,
                                 const TileBody& body, const std::stop_token& stop, Own& own) {
   for (const std::uint32_t tile : tiles) own.tiles.push_back({tile, 0.0F});
-  scheduler.run(own.tiles.size(), [&](std::size_t slot) {
-    if (!leaves(stop, own)) own.run(slot, body);
-  });
+  NextPart next(tiles.size());
+  run_timed(
+      scheduler, [&] { return leaves(stop, own) ? std::nullopt : next(); },
+      [&](std::size_t slot) { body(tiles[slot]); },
+      [&](std::size_t slot, double cost_ms) {
+        own.tiles[slot].cost_ms = static_cast<float>(cost_ms);
+      });
 }
 
 void FrameSharing::run_by_ticket(TileScheduler& scheduler, const TileBody& body,
                                  const std::stop_token& stop, std::size_t count, Own& own) {
   ranks_.begin_tickets();
   std::mutex mutex;
-  std::vector<TileCost> taken;
-  scheduler.run(static_cast<std::size_t>(scheduler.threads()), [&](std::size_t) {
-    for (;;) {
-      if (leaves(stop, own)) return;
-      const std::size_t ticket = ranks_.take_ticket();
-      if (ticket >= count) return;
-      const double begin = base::thread_cpu_ms();
-      body(ticket);
-      const auto cost = static_cast<float>(base::thread_cpu_ms() - begin);
-      std::lock_guard lock(mutex);
-      taken.push_back({static_cast<std::uint32_t>(ticket), cost});
-    }
+  const auto take = [&]() -> std::optional<std::size_t> {
+    if (leaves(stop, own)) return std::nullopt;
+    const std::size_t ticket = ranks_.take_ticket();
+    return ticket < count ? std::optional(ticket) : std::nullopt;
+  };
+  run_timed(scheduler, take, body, [&](std::size_t tile, double cost_ms) {
+    std::lock_guard lock(mutex);
+    own.tiles.push_back({static_cast<std::uint32_t>(tile), static_cast<float>(cost_ms)});
   });
-  own.tiles = std::move(taken);
+}
+
+/// A message begins with the summary; what tiles leave follows for those who need it.
+void FrameSharing::write(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
+                         PassRecord& record, Mail& mail) {
+  const auto rank = static_cast<std::size_t>(ranks_.rank());
+  const bool everyone = pass.audience == Audience::EveryRank;
+  Bytes& message = mail.written[rank];
+  Parcel packing = Parcel::packing(message);
+  Summary mine{own.left_out.load() ? std::uint8_t{1} : std::uint8_t{0}, own.tiles};
+  mine.carry(packing);
+  const std::size_t summary = message.size();
+  // Nobody else reads what rank 0 leaves for itself.
+  const bool sends = ranks_.size() > 1 && (everyone || rank != 0) && mine.stopped == 0;
+  for (const TileCost& tile : own.tiles) {
+    std::size_t weight = 0;
+    if (sends) {
+      const std::size_t before = message.size();
+      outputs(tile.tile, packing);
+      weight = message.size() - before;
+    } else if (ranks_.size() == 1) {
+      Parcel weighing = Parcel::weighing(weight);
+      outputs(tile.tile, weighing);
+    }
+    record.bytes[tile.tile] = static_cast<std::uint32_t>(weight);
+  }
+  record.bytes_sent = message.size() - summary;
+  for (std::size_t other = 0; other < mail.to.size(); ++other) {
+    if (other == rank) continue;
+    mail.to[other] = std::span(message).first(everyone || other == 0 ? message.size() : summary);
+    mail.comes[other] = true;
+  }
+}
+
+/// True: all ranks left the pass.
+bool FrameSharing::read(const SharedPass& pass, const TileOutputs& outputs, PassRecord& record,
+                        Mail& mail) {
+  const auto rank = static_cast<std::size_t>(ranks_.rank());
+  const bool receives = pass.audience == Audience::EveryRank || rank == 0;
+  std::vector<bool> seen(pass.tiles.size(), false);
+  std::size_t arrived = 0;
+  record.rank_costs_ms.assign(mail.from.size(), 0.0);
+  for (std::size_t from = 0; from < mail.from.size(); ++from) {
+    Parcel parcel = Parcel::unpacking(from == rank ? mail.written[rank] : mail.from[from]);
+    Summary summary;
+    summary.carry(parcel);
+    if (from == 0 && summary.stopped != 0) return true;
+    if (from != rank && receives) record.bytes_received += parcel.left();
+    for (const auto& [tile, cost_ms] : summary.tiles) {
+      MACULA_CHECK(tile < pass.tiles.size() && !seen[tile], "no tile comes twice");
+      seen[tile] = true, ++arrived;
+      record.costs_ms[tile] = cost_ms;
+      record.rank_costs_ms[from] += static_cast<double>(cost_ms);
+      if (from != rank && receives) outputs(tile, parcel);
+    }
+    MACULA_CHECK(from == rank || parcel.left() == 0,
+                 "a rank sends what its tiles leave behind, and no more");
+  }
+  MACULA_CHECK(arrived == pass.tiles.size(), "no tile is lost");
+  return false;
 }
 
 bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
                             PassRecord& record, bool& stopped) {
-  const double begin_pack = base::thread_cpu_ms();
-  Bytes& payload = payload_;
-  payload.clear();
-  Parcel packing = Parcel::packing(payload);
-  Summary mine{0, own.left_out.load() ? std::uint8_t{1} : std::uint8_t{0}, own.tiles};
-  // Nobody else reads what rank 0 leaves there, nor what one alone does.
-  const bool keeps =
-      (pass.audience == Audience::RankZero && ranks_.rank() == 0) || ranks_.size() == 1;
-  for (const TileCost& tile : own.tiles) {
-    if (mine.stopped != 0) break;
-    std::size_t weight = payload.size();
-    if (keeps) {
-      Parcel weighing = Parcel::weighing(weight);
-      outputs(tile.tile, weighing);
-    } else {
-      outputs(tile.tile, packing);
-    }
-    const std::size_t after = keeps ? weight : payload.size();
-    record.bytes[tile.tile] = static_cast<std::uint32_t>(after - (keeps ? payload.size() : weight));
-  }
-  mine.payload_bytes = payload.size();
-  Bytes summary;
-  Parcel telling = Parcel::packing(summary);
-  mine.carry(telling);
-  record.pack_ms += base::thread_cpu_ms() - begin_pack;
+  Mail& mail = ranks_.new_mail();
+  CpuLaps laps;
+  write(pass, outputs, own, record, mail);
+  record.pack_ms = laps.lap_ms();
+  if (!meet(mail, record)) return false;
+  laps.lap_ms();
+  stopped = read(pass, outputs, record, mail);
+  record.pack_ms += laps.lap_ms();
+  return true;
+}
 
+/// What it took is recorded.
+bool FrameSharing::meet(Mail& mail, PassRecord& record) {
   const auto begin = Clock::now();
-  const double begin_exchange = base::thread_cpu_ms();
-  Gathered summaries;
-  if (!ranks_.all_gather(summary, summaries)) return false;
-  std::vector<Summary> all;
-  std::vector<std::size_t> sizes;
-  for (std::size_t rank = 0; rank < summaries.ranks(); ++rank) {
-    all.push_back(read_summary(summaries.of(rank)));
-    sizes.push_back(all.back().payload_bytes);
-  }
-  stopped = all.front().stopped != 0;
-  if (stopped) return true;
-  const bool everyone = pass.audience == Audience::EveryRank;
-  const bool receives = everyone || ranks_.rank() == 0;
-  Gathered payloads;
-  if (receives) payloads = Gathered(sizes);
-  if (!(everyone ? ranks_.all_gather(payload, payloads) : ranks_.gather(payload, payloads)))
-    return false;
+  const double begin_cpu_ms = base::thread_cpu_ms();
+  if (!ranks_.trade(mail)) return false;
   record.exchange_ms = ms_since(begin);
-  record.exchange_cpu_ms = base::thread_cpu_ms() - begin_exchange;
-  record.bytes_sent = payload.size();
-
-  const double begin_unpack = base::thread_cpu_ms();
-  std::size_t arrived = 0;
-  std::vector<bool> seen(pass.tiles.size(), false);
-  record.rank_costs_ms.assign(all.size(), 0.0);
-  for (std::size_t rank = 0; rank < all.size(); ++rank) {
-    const bool other = static_cast<int>(rank) != ranks_.rank();
-    std::span<const std::byte> given;
-    if (receives && other) given = payloads.of(rank);
-    Parcel unpacking = Parcel::unpacking(given);
-    record.bytes_received += given.size();
-    for (const auto& [tile, cost_ms] : all[rank].tiles) {
-      MACULA_CHECK(tile < pass.tiles.size() && !seen[tile], "no tile comes twice");
-      seen[tile] = true, ++arrived;
-      record.costs_ms[tile] = cost_ms;
-      record.rank_costs_ms[rank] += static_cast<double>(cost_ms);
-      if (receives && other) outputs(tile, unpacking);
-    }
-    MACULA_CHECK(unpacking.left() == 0, "a rank sends what its tiles leave behind, and no more");
-  }
-  MACULA_CHECK(arrived == pass.tiles.size(), "no tile is lost");
-  record.pack_ms += base::thread_cpu_ms() - begin_unpack;
+  record.exchange_cpu_ms = base::thread_cpu_ms() - begin_cpu_ms;
   return true;
 }
 
@@ -195,67 +201,96 @@ Outcome FrameSharing::run(TileScheduler& scheduler, const SharedPass& pass, cons
   return Outcome::Completed;
 }
 
-void FrameSharing::pack_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record,
-                             std::vector<Bytes>& each) {
+/// Rows that others read, written for each; and what all weigh, where nobody else takes part.
+void FrameSharing::write_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record,
+                              Mail& mail) {
   const auto own = static_cast<std::size_t>(ranks_.rank());
   const Rows& mine = trade.makes[own];
-  record.bytes.assign(record.costs_ms.size(), 0U);
-  for (int y = mine.begin; y < mine.end; ++y) {
+  record.bytes.assign(static_cast<std::size_t>(trade.height), 0U);
+  for (int y = mine.begin; ranks_.size() == 1 && y < mine.end; ++y) {
     std::size_t weight = 0;
     Parcel weighing = Parcel::weighing(weight);
     outputs(y, weighing);
     record.bytes[static_cast<std::size_t>(y)] = static_cast<std::uint32_t>(weight);
   }
-  double spent_ms = 0.0;
-  for (const float cost : record.costs_ms) spent_ms += static_cast<double>(cost);
-  for (std::size_t rank = 0; rank < each.size(); ++rank) {
-    Parcel packing = Parcel::packing(each[rank]);
-    packing.value(spent_ms);
+  for (std::size_t rank = 0; rank < mail.to.size(); ++rank) {
     const Rows rows = common(mine, trade.wants[rank]);
-    for (int y = rows.begin; rank != own && y < rows.end; ++y) outputs(y, packing);
+    if (rank == own || rows.count() == 0) continue;
+    Parcel packing = Parcel::packing(mail.written[rank]);
+    for (int y = rows.begin; y < rows.end; ++y) outputs(y, packing);
+    mail.to[rank] = mail.written[rank];
+    record.bytes_sent += mail.written[rank].size();
+  }
+}
+
+void FrameSharing::read_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record,
+                             Mail& mail) {
+  const auto own = static_cast<std::size_t>(ranks_.rank());
+  for (std::size_t rank = 0; rank < mail.from.size(); ++rank) {
+    if (!mail.comes[rank]) continue;
+    record.bytes_received += mail.from[rank].size();
+    Parcel unpacking = Parcel::unpacking(mail.from[rank]);
+    const Rows rows = common(trade.makes[rank], trade.wants[own]);
+    for (int y = rows.begin; y < rows.end; ++y) outputs(y, unpacking);
+    MACULA_CHECK(unpacking.left() == 0, "a rank sends the rows that are read, and no more");
   }
 }
 
 bool FrameSharing::trade(const RowTrade& trade, const RowOutputs& outputs, PassRecord record) {
   const auto own = static_cast<std::size_t>(ranks_.rank());
-  const double begin_pack = base::thread_cpu_ms();
-  std::vector<Bytes>& each = rows_;
-  each.resize(trade.makes.size());
-  for (Bytes& bytes : each) bytes.clear();
-  pack_rows(trade, outputs, record, each);
-  record.pack_ms = base::thread_cpu_ms() - begin_pack;
-  const auto begin = Clock::now();
-  Gathered from;
-  if (!ranks_.trade(each, from)) return false;
-  record.exchange_ms = ms_since(begin);
-  const double begin_unpack = base::thread_cpu_ms();
-  record.exchange_cpu_ms = begin_unpack - begin_pack - record.pack_ms;
   record.over_rows = true;
-  record.extra = trade.extra;
-  record.rank_costs_ms.assign(each.size(), 0.0);
-  for (std::size_t rank = 0; rank < each.size(); ++rank) {
-    Parcel unpacking = Parcel::unpacking(from.of(rank));
-    unpacking.value(record.rank_costs_ms[rank]);
-    if (rank == own) continue;
-    record.bytes_sent += each[rank].size(), record.bytes_received += from.of(rank).size();
-    const Rows rows = common(trade.makes[rank], trade.wants[own]);
-    for (int y = rows.begin; y < rows.end; ++y) outputs(y, unpacking);
-    MACULA_CHECK(unpacking.left() == 0, "a rank sends the rows that are read, and no more");
-  }
-  record.pack_ms += base::thread_cpu_ms() - begin_unpack;
+  record.rank_costs_ms.assign(trade.makes.size(), 0.0);
+  record.rank_costs_ms[own] = trade.spent_ms;
+  Mail& mail = ranks_.new_mail();
+  for (std::size_t rank = 0; rank < mail.comes.size(); ++rank)
+    mail.comes[rank] = rank != own && common(trade.makes[rank], trade.wants[own]).count() > 0;
+  CpuLaps laps;
+  write_rows(trade, outputs, record, mail);
+  record.pack_ms = laps.lap_ms();
+  if (!meet(mail, record)) return false;
+  laps.lap_ms();
+  read_rows(trade, outputs, record, mail);
+  record.pack_ms += laps.lap_ms();
   passes_.push_back(std::move(record));
   return true;
+}
+
+void FrameSharing::note(int height, double spent_ms, PassRecord record) {
+  const auto rows = static_cast<std::size_t>(height);
+  record.over_rows = true;
+  record.bytes.assign(rows, 0U);
+  record.reads.assign(rows, Rows{});
+  record.rank_costs_ms.assign(static_cast<std::size_t>(ranks_.size()), 0.0);
+  record.rank_costs_ms[static_cast<std::size_t>(ranks_.rank())] = spent_ms;
+  passes_.push_back(std::move(record));
 }
 
 bool FrameSharing::tell(const Rows& mine, std::vector<Rows>& all) {
   Bytes said;
   Rows copy = mine;
   Parcel::packing(said).value(copy);
-  Gathered heard;
+  std::vector<Bytes> heard;
   if (!ranks_.all_gather(said, heard)) return false;
-  all.resize(heard.ranks());
+  all.resize(heard.size());
   for (std::size_t rank = 0; rank < all.size(); ++rank)
-    Parcel::unpacking(heard.of(rank)).value(all[rank]);
+    Parcel::unpacking(heard[rank]).value(all[rank]);
+  return true;
+}
+
+bool FrameSharing::tell_row_costs() {
+  const auto own = static_cast<std::size_t>(ranks_.rank());
+  std::vector<double> mine;
+  for (const PassRecord& pass : passes_)
+    if (pass.over_rows) mine.push_back(pass.rank_costs_ms[own]);
+  Bytes said;
+  Parcel::packing(said).values(std::span(mine));
+  std::vector<Bytes> heard;
+  if (!ranks_.all_gather(said, heard)) return false;
+  for (std::size_t rank = 0; rank < heard.size(); ++rank) {
+    Parcel parcel = Parcel::unpacking(heard[rank]);
+    for (PassRecord& pass : passes_)
+      if (pass.over_rows) parcel.value(pass.rank_costs_ms[rank]);
+  }
   return true;
 }
 

@@ -21,6 +21,7 @@
 namespace macula::scheduling {
 
 class RankGroup;
+struct Mail;
 class TileScheduler;
 enum class Outcome;
 
@@ -35,27 +36,34 @@ struct SharedPass {
 
 /// What goes from rank to rank between two steps over rows; by rank.
 struct RowTrade {
+  int height = 0;
   std::vector<Rows> makes, wants;
-  int extra = 0;  ///< rows on either side of its own that a rank made for itself
+  double spent_ms = 0.0;  ///< by this rank on its rows
+};
+/// What steps over rows cost, by row of the picture.
+struct RowStep {
+  int reach = 0;  ///< rows on either side of its own that a rank makes for itself
+  std::vector<float> costs_ms;
 };
 
-/// What one shared pass, or a step over rows, cost, for balance and measurements. Times of this
-/// rank, wall; costs of all tiles (a row counts as one), processor time of the threads that ran
-/// them.
+/// What one shared pass, or the steps over rows since the last trade, cost, for balance and
+/// measurements. Times of this rank, wall; costs, processor time of the threads that ran them.
 struct PassRecord {
   std::vector<float> costs_ms;        ///< by tile, of all ranks
   std::vector<float> expected;        ///< by tile
-  std::vector<std::uint32_t> bytes;   ///< by tile, of what it leaves; 0 for other ranks' tiles
-  std::vector<double> rank_costs_ms;  ///< by rank
+  std::vector<std::uint32_t> bytes;   ///< by tile or row, of what it leaves: of one rank alone all,
+                                      ///< else of tiles that were packed
+  std::vector<double> rank_costs_ms;  ///< by rank; of rows, this rank's until tell_row_costs()
   double tiles_ms = 0.0;              ///< running this rank's tiles
   double pack_ms = 0.0;               ///< processor time of packing and unpacking
   double exchange_ms = 0.0;           ///< waiting for others included
   double exchange_cpu_ms = 0.0;       ///< processor time of the same, on the calling thread
   std::uint64_t bytes_sent = 0, bytes_received = 0;
   Audience audience = Audience::EveryRank;
-  bool over_rows = false;   ///< made in bands (row_bands.h)
+  bool over_rows = false;      ///< made in bands (row_bands.h)
+  bool asks = false;           ///< ranks told each other first what they read
+  std::vector<RowStep> steps;  ///< of one rank alone
   std::vector<Rows> reads;  ///< that the next step reads, by row of a band; empty: the audience all
-  int extra = 0;            ///< as in RowTrade
 };
 
 using RowOutputs = std::function<void(int y, Parcel&)>;
@@ -72,11 +80,15 @@ class FrameSharing {
   /// Stopped: rank 0's token fired, and all ranks say so of the same pass; or a rank was lost.
   Outcome run(TileScheduler& scheduler, const SharedPass& pass, const TileBody& body,
               const TileOutputs& outputs, const std::stop_token& stop);
-  /// Rows change hands. `record` knows audience, reads and the costs of this rank's rows. False: a
-  /// rank was lost.
+  /// Rows change hands. `record` knows audience, reads and steps. False: a rank was lost.
   bool trade(const RowTrade& trade, const RowOutputs& outputs, PassRecord record);
+  /// Steps after which none do.
+  void note(int height, double spent_ms, PassRecord record);
   /// Every rank learns what each says. False: a rank was lost.
   bool tell(const Rows& mine, std::vector<Rows>& all);
+  /// After the last pass, for measurements: every rank learns what each spent on its rows. False: a
+  /// rank was lost.
+  bool tell_row_costs();
   const std::vector<PassRecord>& passes() const { return passes_; }
   RankGroup& ranks() const { return ranks_; }
   /// Processor time of everything that ran on a scheduler's threads, shared or not.
@@ -93,8 +105,12 @@ class FrameSharing {
                      std::size_t count, Own& own);
   bool exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
                 PassRecord& record, bool& stopped);
-  void pack_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record,
-                 std::vector<Bytes>& each);
+  void write(const SharedPass& pass, const TileOutputs& outputs, const Own& own, PassRecord& record,
+             Mail& mail);
+  bool read(const SharedPass& pass, const TileOutputs& outputs, PassRecord& record, Mail& mail);
+  void write_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record, Mail& mail);
+  void read_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record, Mail& mail);
+  bool meet(Mail& mail, PassRecord& record);
 
   RankGroup& ranks_;
   Balance balance_;
@@ -102,8 +118,6 @@ class FrameSharing {
   std::uint64_t pass_ = 0;
   std::atomic<double> body_ms_{0.0};
   std::vector<PassRecord> passes_;
-  Bytes payload_;            ///< of the pass at work: its memory serves the next
-  std::vector<Bytes> rows_;  ///< the same for each rank, of a trade
 };
 
 }  // namespace macula::scheduling

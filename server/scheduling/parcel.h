@@ -57,46 +57,43 @@ class Parcel {
                                   static_cast<std::size_t>(rect.width)));
     }
   }
-  /// The cells of that part whose `mask`, of the plane's size, is `wanted`.
-  template <class T>
-  void masked(image::Plane<T>& plane, const image::Rect& rect,
-              const image::Plane<std::uint8_t>& mask, std::uint8_t wanted) {
-    if (plane.empty()) return;
-    std::vector<T> some(static_cast<std::size_t>(rect.width) + 1);  // one more: see below
-    for (int y = rect.y; y < rect.y + rect.height; ++y) {
-      const auto begin = static_cast<std::size_t>(rect.x);
-      masked_row(plane.row(y).data() + begin, mask.row(y).data() + begin, wanted, some);
-    }
-  }
   /// Cells from anywhere in a plane; empty planes have none.
   template <class T>
   void cells(image::Plane<T>& plane, std::span<const image::Pixel> cells) {
     if (plane.empty()) return;
-    for (const image::Pixel& cell : cells) value(plane(cell.x, cell.y));
+    const std::size_t bytes = sizeof(T) * cells.size();
+    if (weight_ != nullptr) {
+      *weight_ += bytes;
+    } else if (to_ != nullptr) {
+      std::byte* at = append(bytes);
+      for (const image::Pixel& cell : cells) {
+        std::memcpy(at, &plane(cell.x, cell.y), sizeof(T));
+        at += sizeof(T);
+      }
+    } else {
+      const std::byte* at = take(bytes);
+      for (const image::Pixel& cell : cells) {
+        std::memcpy(&plane(cell.x, cell.y), at, sizeof(T));
+        at += sizeof(T);
+      }
+    }
   }
 
  private:
   Parcel(Bytes* to, std::size_t* weight, std::span<const std::byte> from)
       : to_(to), weight_(weight), from_(from) {}
 
-  /// Without branches: a mask is noise. What is not wanted goes where the next one goes.
-  template <class T>
-  void masked_row(T* cells, const std::uint8_t* mask, std::uint8_t wanted, std::vector<T>& some) {
-    const std::size_t width = some.size() - 1;
-    std::size_t count = 0;
-    for (std::size_t x = 0; x < width; ++x) {
-      some[count] = cells[x];
-      count += mask[x] == wanted ? 1 : 0;
-    }
-    values(std::span<T>(some.data(), count));
-    if (!unpacks()) return;
-    for (std::size_t x = 0, next = 0; x < width; ++x) {
-      const bool is_wanted = mask[x] == wanted;
-      cells[x] = is_wanted ? some[next] : cells[x];
-      next += is_wanted ? 1 : 0;
-    }
+  std::byte* append(std::size_t bytes) {
+    const std::size_t before = to_->size();
+    to_->resize(before + bytes);
+    return to_->data() + before;
   }
-
+  const std::byte* take(std::size_t bytes) {
+    MACULA_CHECK(bytes <= from_.size(), "a parcel holds what its description says");
+    const std::byte* taken = from_.data();
+    from_ = from_.subspan(bytes);
+    return taken;
+  }
   void move(void* memory, std::size_t bytes) {
     if (bytes == 0) return;
     if (weight_ != nullptr) {
@@ -104,19 +101,31 @@ class Parcel {
       return;
     }
     if (to_ != nullptr) {
-      const std::size_t before = to_->size();
-      to_->resize(before + bytes);
-      std::memcpy(to_->data() + before, memory, bytes);
-      return;
+      std::memcpy(append(bytes), memory, bytes);
+    } else {
+      std::memcpy(memory, take(bytes), bytes);
     }
-    MACULA_CHECK(bytes <= from_.size(), "a parcel holds what its description says");
-    std::memcpy(memory, from_.data(), bytes);
-    from_ = from_.subspan(bytes);
   }
 
   Bytes* to_;
   std::size_t* weight_;
   std::span<const std::byte> from_;
 };
+
+/// The cells of `rect` whose `mask` is `wanted`, row by row. Without branches: a mask is noise.
+inline std::vector<image::Pixel> marked_cells(const image::Plane<std::uint8_t>& mask,
+                                              const image::Rect& rect, std::uint8_t wanted) {
+  std::vector<image::Pixel> cells(static_cast<std::size_t>(rect.width * rect.height) + 1);
+  std::size_t count = 0;
+  for (int y = rect.y; y < rect.y + rect.height; ++y) {
+    const auto row = mask.row(y);
+    for (int x = rect.x; x < rect.x + rect.width; ++x) {
+      cells[count] = {x, y};
+      count += row[static_cast<std::size_t>(x)] == wanted ? 1 : 0;
+    }
+  }
+  cells.resize(count);
+  return cells;
+}
 
 }  // namespace macula::scheduling

@@ -6,7 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,25 +15,12 @@
 
 namespace macula::scheduling {
 
-/// What every rank gave, one after the other.
-class Gathered {
- public:
-  Gathered() = default;
-  /// Room for as many bytes of each rank as `sizes` says.
-  explicit Gathered(std::span<const std::size_t> sizes) {
-    for (const std::size_t size : sizes) ends_.push_back(end() + size);
-    bytes_ = std::make_unique_for_overwrite<std::byte[]>(end());
-  }
-  std::size_t ranks() const { return ends_.size(); }
-  std::span<std::byte> of(std::size_t rank) {
-    const std::size_t begin = rank == 0 ? 0 : ends_[rank - 1];
-    return {bytes_.get() + begin, ends_[rank] - begin};
-  }
-
- private:
-  std::size_t end() const { return ends_.empty() ? 0 : ends_.back(); }
-  std::vector<std::size_t> ends_;
-  std::unique_ptr<std::byte[]> bytes_;
+/// The messages of one meeting, as one rank sees them; by rank, its own entries idle.
+struct Mail {
+  std::vector<std::optional<std::span<const std::byte>>> to;  ///< none: no message, not even empty
+  std::vector<bool> comes;                                    ///< whether that rank sends one
+  std::vector<Bytes> from;                                    ///< what it was
+  std::vector<Bytes> written;                                 ///< memory for what `to` shows
 };
 
 class RankGroup {
@@ -42,16 +29,17 @@ class RankGroup {
   virtual int rank() const = 0;
   virtual int size() const = 0;
 
-  /// Every rank gets what all ranks gave, into room made for it; where there is none, ranks tell
-  /// each other sizes first. False: a rank was lost.
-  [[nodiscard]] virtual bool all_gather(const Bytes& mine, Gathered& all) = 0;
-  /// Rank 0 alone gets it, into room made for it; the others' `all` is not touched.
-  [[nodiscard]] virtual bool gather(const Bytes& mine, Gathered& all) = 0;
-  /// Rank r gets `to[r]` of every rank, its own too.
-  [[nodiscard]] virtual bool trade(const std::vector<Bytes>& to, Gathered& from) = 0;
+  /// For the next meeting, with no message in it, in the memory of the last.
+  Mail& new_mail();
+  /// Every rank gets what others have for it; both sides know between whom there is a message, and
+  /// the receiver not how long it is. `mail` is a new one, filled in. False: a rank was lost.
+  [[nodiscard]] virtual bool trade(Mail& mail) = 0;
+  /// Every rank gets what all ranks gave. False: a rank was lost.
+  [[nodiscard]] bool all_gather(const Bytes& mine, std::vector<Bytes>& all);
   /// What rank 0 holds replaces what the others do. They wait for it however long it takes.
   [[nodiscard]] virtual bool broadcast(Bytes& bytes) = 0;
-  /// Tickets 0, 1, 2, ... over all ranks together, anew from here on.
+  /// Tickets 0, 1, 2, ... over all ranks together, anew from here on; since the last series all
+  /// ranks have had a message from each.
   virtual void begin_tickets() = 0;
   virtual std::size_t take_ticket() = 0;
   /// Rank 0 leaves pass number `pass` before its end; others may, too, once they hear of it.
@@ -65,6 +53,7 @@ class RankGroup {
 
  private:
   std::uint64_t passes_ = 0;
+  Mail mail_;
 };
 
 }  // namespace macula::scheduling

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "server/scheduling/rank_group.h"
-#include "shared/base/cpu_time.h"
 
 namespace macula::scheduling {
 
@@ -12,15 +11,20 @@ RowBands::RowBands(TileScheduler& scheduler, int height)
     : scheduler_(scheduler), sharing_(scheduler.sharing()), height_(height) {
   if (sharing_ == nullptr) return;
   rank_ = sharing_->ranks().rank(), ranks_ = sharing_->ranks().size();
-  costs_ms_.assign(static_cast<std::size_t>(height), 0.0F);
 }
 
-/// Reading a thread's CPU clock is a system call, about as long as a short step's row: tasks that
-/// are timed take several, few enough that threads end together.
+/// Parts that are timed take several rows, few enough that threads end together.
 int RowBands::rows_a_task(const Rows& rows) const {
   constexpr int kTasksAThread = 4, kMost = 16;
   if (sharing_ == nullptr) return 1;
   return std::clamp(rows.count() / (kTasksAThread * scheduler_.threads()), 1, kMost);
+}
+
+RowBands::~RowBands() {
+  if (!has_run_) return;
+  PassRecord record;
+  record.steps = std::move(steps_);
+  sharing_->note(height_, spent_ms_, std::move(record));
 }
 
 Rows RowBands::of(int rank) const {
@@ -35,12 +39,17 @@ Rows RowBands::wide(const Rows& rows, int reach) const {
   return {std::max(rows.begin - reach, 0), std::min(rows.end + reach, height_)};
 }
 
-void RowBands::run_timed(const Rows& rows, const std::function<void(const Rows&)>& body) {
-  const double begin = base::thread_cpu_ms();
-  body(rows);
-  const double each_ms = (base::thread_cpu_ms() - begin) / rows.count();
+void RowBands::add_cost(const Rows& rows, int reach, double cost_ms) {
+  std::lock_guard lock(mutex_);
+  spent_ms_ += cost_ms;
+  if (ranks_ > 1) return;
+  auto step = std::ranges::find(steps_, reach, &RowStep::reach);
+  if (step == steps_.end()) {
+    steps_.push_back({reach, std::vector<float>(static_cast<std::size_t>(height_), 0.0F)});
+    step = steps_.end() - 1;
+  }
   for (int y = rows.begin; y < rows.end; ++y)
-    costs_ms_[static_cast<std::size_t>(y)] += static_cast<float>(each_ms);
+    step->costs_ms[static_cast<std::size_t>(y)] += static_cast<float>(cost_ms / rows.count());
 }
 
 Outcome RowBands::lend(int reach, const RowOutputs& outputs) {
@@ -59,6 +68,7 @@ Outcome RowBands::fetch(std::span<const Rows> reads, const RowOutputs& outputs) 
   std::vector<Rows> wanted;
   if (!sharing_->tell(mine, wanted)) return Outcome::Stopped;
   PassRecord record;
+  record.asks = true;
   record.reads.resize(static_cast<std::size_t>(height_));
   const std::size_t first = static_cast<std::size_t>(own().begin);
   for (std::size_t i = 0; i < reads.size() && first + i < record.reads.size(); ++i)
@@ -78,10 +88,10 @@ Outcome RowBands::gather(Audience audience, const RowOutputs& outputs) {
 }
 
 Outcome RowBands::trade(std::vector<Rows> wanted, PassRecord record, const RowOutputs& outputs) {
-  RowTrade trade{{}, std::move(wanted), extra_};
+  RowTrade trade{height_, {}, std::move(wanted), std::exchange(spent_ms_, 0.0)};
   for (int rank = 0; rank < ranks_; ++rank) trade.makes.push_back(of(rank));
-  record.costs_ms = std::exchange(costs_ms_, std::vector<float>(costs_ms_.size(), 0.0F));
-  extra_ = 0;
+  record.steps = std::exchange(steps_, {});
+  has_run_ = false;
   return sharing_->trade(trade, outputs, std::move(record)) ? Outcome::Completed : Outcome::Stopped;
 }
 

@@ -7,6 +7,7 @@
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <optional>
 #include <thread>
@@ -46,6 +47,16 @@ std::optional<tbb::global_control> oversubscription(int threads) {
                                             static_cast<std::size_t>(threads));
 }
 
+/// work() on `workers` threads.
+template <class Work>
+void run_workers(tbb::task_arena& arena, std::size_t workers, const Work& work) {
+  arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, workers, 1),
+        [&](const tbb::blocked_range<std::size_t>&) { work(); }, tbb::simple_partitioner{});
+  });
+}
+
 }  // namespace
 
 struct TileScheduler::Arena {
@@ -69,12 +80,22 @@ void TileScheduler::set_stop_token(std::stop_token token) {
 
 Outcome TileScheduler::run_erased(std::size_t count, void* context,
                                   void (*body)(void*, std::size_t)) {
+  if (sharing_ != nullptr) {
+    // A task a thread: each reads the clock, which takes as long as a small tile.
+    std::atomic<std::size_t> next{0};
+    run_workers(arena_->tbb, std::min(count, static_cast<std::size_t>(threads())), [&] {
+      const FlushDenormals flush;
+      const double begin_ms = base::thread_cpu_ms();
+      for (std::size_t i = next++; i < count; i = next++) body(context, i);
+      sharing_->add_body_ms(base::thread_cpu_ms() - begin_ms);
+    });
+    return Outcome::Completed;
+  }
   // Each run reads the token once: a token set meanwhile concerns the next run.
-  const std::stop_token stop = sharing_ == nullptr ? stop_ : std::stop_token{};
+  const std::stop_token stop = stop_;
   std::atomic<bool> left_out{false};
   const auto run_range = [&](const tbb::blocked_range<std::size_t>& range) {
     const FlushDenormals flush;
-    const double begin_ms = sharing_ != nullptr ? base::thread_cpu_ms() : 0.0;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       if (stop.stop_requested()) {
         left_out.store(true, std::memory_order_relaxed);
@@ -82,7 +103,6 @@ Outcome TileScheduler::run_erased(std::size_t count, void* context,
       }
       body(context, i);
     }
-    if (sharing_ != nullptr) sharing_->add_body_ms(base::thread_cpu_ms() - begin_ms);
   };
   // One tile a task: tiles are some 0.1 ms to 10 ms of work, a task costs less than a microsecond.
   arena_->tbb.execute([&] {

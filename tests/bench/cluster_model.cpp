@@ -1,7 +1,6 @@
 #include "tests/bench/cluster_model.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <numeric>
 #include <queue>
@@ -84,6 +83,7 @@ scheduling::Rows band_of(std::size_t rank, int ranks, std::size_t height) {
 struct BandShare {
   Share made;
   double received = 0.0;
+  double senders = 0.0;  ///< ranks from which they come
 };
 
 double bytes_of(const PassRecord& pass, const scheduling::Rows& rows) {
@@ -92,14 +92,25 @@ double bytes_of(const PassRecord& pass, const scheduling::Rows& rows) {
   return bytes;
 }
 
+/// Of a step, the rows that a rank makes: its own and those within reach.
+std::vector<float> made_of(const scheduling::RowStep& step, const scheduling::Rows& own) {
+  if (own.count() == 0) return {};
+  const auto height = static_cast<int>(step.costs_ms.size());
+  const int begin = std::max(own.begin - step.reach, 0);
+  const int end = std::min(own.end + step.reach, height);
+  return {step.costs_ms.begin() + begin, step.costs_ms.begin() + end};
+}
+
 BandShare band_share(const PassRecord& pass, std::size_t rank, const ClusterSpec& spec) {
-  const auto height = static_cast<int>(pass.costs_ms.size());
-  const scheduling::Rows own = band_of(rank, spec.ranks, pass.costs_ms.size());
-  std::vector<std::uint32_t> rows;
-  for (int y = std::max(own.begin - pass.extra, 0); y < std::min(own.end + pass.extra, height); ++y)
-    rows.push_back(static_cast<std::uint32_t>(y));
-  if (own.count() == 0) rows.clear();
-  BandShare share{share_of(pass, rows, spec.threads), 0.0};
+  const auto height = static_cast<int>(pass.bytes.size());
+  const scheduling::Rows own = band_of(rank, spec.ranks, pass.bytes.size());
+  BandShare share;
+  for (const scheduling::RowStep& step : pass.steps) {
+    const std::vector<float> rows = made_of(step, own);
+    const double cost_ms = std::reduce(rows.begin(), rows.end(), 0.0);
+    share.made.cost_ms += cost_ms;
+    share.made.until_ms += cost_ms / spec.threads;
+  }
   share.made.bytes = bytes_of(pass, own);
   scheduling::Rows read;
   for (int y = own.begin; y < own.end && !pass.reads.empty(); ++y)
@@ -107,27 +118,36 @@ BandShare band_share(const PassRecord& pass, std::size_t rank, const ClusterSpec
   const bool reads_all = pass.audience == Audience::EveryRank || rank == 0;
   if (pass.reads.empty() && reads_all) read = {0, height};
   share.received = bytes_of(pass, read) - bytes_of(pass, common(read, own));
+  for (std::size_t other = 0; other < static_cast<std::size_t>(spec.ranks); ++other)
+    if (other != rank && common(read, band_of(other, spec.ranks, pass.bytes.size())).count() > 0)
+      ++share.senders;
   return share;
+}
+
+/// In which a rank hears from that many.
+double meeting_ms(const ClusterSpec& spec, double senders) {
+  return senders > 0.0 ? spec.latency_ms + senders * spec.message_ms : 0.0;
 }
 
 void add_rows(const PassRecord& pass, const ClusterSpec& spec, ModelledFrame& frame,
               double& slowest, double& mean) {
   Share most;
-  double cost = 0.0, received = 0.0, most_received = 0.0;
+  double cost = 0.0, received = 0.0, most_received = 0.0, senders = 0.0;
   for (std::size_t rank = 0; rank < static_cast<std::size_t>(spec.ranks); ++rank) {
     const BandShare share = band_share(pass, rank, spec);
     most.cost_ms = std::max(most.cost_ms, share.made.cost_ms);
     most.until_ms = std::max(most.until_ms, share.made.until_ms);
     most.bytes = std::max(most.bytes, share.made.bytes);
     most_received = std::max(most_received, share.received);
+    senders = std::max(senders, share.senders);
     cost += share.made.cost_ms, received += share.received;
   }
   frame.tiles_ms += most.until_ms;
   slowest += most.cost_ms, mean += cost / spec.ranks;
   if (spec.ranks == 1) return;
-  const double steps = std::ceil(std::log2(spec.ranks));
   frame.copy_ms += (std::min(most.bytes, most_received) + most_received) / spec.copied_bytes_per_ms;
-  frame.transfer_ms += 2.0 * steps * spec.latency_ms + most_received / spec.bytes_per_ms;
+  if (pass.asks) frame.transfer_ms += meeting_ms(spec, spec.ranks - 1);
+  frame.transfer_ms += meeting_ms(spec, senders) + most_received / spec.bytes_per_ms;
   frame.comm_bytes += received;
 }
 
@@ -137,7 +157,6 @@ ModelledFrame model_frame(const FrameTrace& trace, const ClusterSpec& spec, Bala
   ModelledFrame frame;
   frame.alone_ms = trace.alone_ms + trace.threaded_ms / spec.threads;
   const double ranks = spec.ranks;
-  const double steps = std::ceil(std::log2(ranks));
   double slowest = 0.0, mean = 0.0;
   for (const PassRecord& pass : trace.passes) {
     if (pass.over_rows) {
@@ -160,8 +179,7 @@ ModelledFrame model_frame(const FrameTrace& trace, const ClusterSpec& spec, Bala
     const bool everyone = pass.audience == Audience::EveryRank;
     const double received = bytes - (everyone ? bytes / ranks : shares.front().bytes);
     frame.copy_ms += (most.bytes + received) / spec.copied_bytes_per_ms;
-    frame.transfer_ms +=
-        (everyone ? 3.0 : 4.0) * steps * spec.latency_ms + received / spec.bytes_per_ms;
+    frame.transfer_ms += meeting_ms(spec, ranks - 1.0) + received / spec.bytes_per_ms;
     frame.comm_bytes += everyone ? bytes * (ranks - 1.0) : received;
   }
   if (mean > 0.0) frame.imbalance = slowest / mean;

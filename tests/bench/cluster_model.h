@@ -20,6 +20,7 @@ struct FrameTrace {
 struct ClusterSpec {
   int ranks = 1, threads = 1;        ///< threads of each rank
   double latency_ms = 0.005;         ///< of one message
+  double message_ms = 0.001;         ///< of a rank's time for each that it sends and gets
   double bytes_per_ms = 3.125e6;     ///< of a rank's link, each way (25 Gbit/s)
   double copied_bytes_per_ms = 2e6;  ///< into and out of messages, by one thread of a rank
 };
@@ -34,10 +35,10 @@ struct ModelledFrame {
   double imbalance = 1.0;    ///< slowest rank over the mean, weighted by time
 };
 
-/// Every rank has a link of its own. A pass ends when its slowest rank has: sizes go to rank 0 and
-/// back down a tree, then everybody gets everything (each link carries all others' bytes once), or
-/// rank 0 alone does. A step over rows is split into equal bands; each rank gets the rows around
-/// its own that the next step reads.
+/// Every rank has a link of its own. A pass ends when its slowest rank has: everybody sends
+/// everybody what its tiles cost, and what they leave (each link carries all others' bytes once),
+/// or that to rank 0 alone. A step over rows is split into equal bands; each rank gets the rows
+/// around its own that the next step reads, where need be after all have told which.
 ModelledFrame model_frame(const FrameTrace& trace, const ClusterSpec& spec,
                           scheduling::Balance balance);
 

@@ -7,7 +7,6 @@
 #include <array>
 #include <climits>
 #include <mutex>
-#include <optional>
 #include <thread>
 #include <vector>
 
@@ -19,8 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 using scheduling::Bytes;
-using scheduling::Gathered;
-constexpr int kSizeTag = 1, kStopTag = 2, kBeatTag = 3;
+using scheduling::Mail;
+constexpr int kMailTag = 1, kStopTag = 2, kBeatTag = 3;
 
 int count_of(std::size_t bytes) {
   MACULA_CHECK(bytes <= INT_MAX, "MPI counts bytes in an int");
@@ -30,10 +29,11 @@ int count_of(std::size_t bytes) {
 /// Looks often at first, since ranks finish together, then ever more rarely.
 class Pause {
  public:
+  explicit Pause(Clock::duration eager) : eager_(eager) {}
   void operator()() {
-    constexpr std::chrono::microseconds kEager{300}, kNap{50}, kLongNap{200}, kIdle{20'000};
+    constexpr std::chrono::microseconds kNap{50}, kLongNap{200}, kIdle{20'000};
     const auto waited = Clock::now() - begin_;
-    if (waited < kEager) {
+    if (waited < eager_) {
       sched_yield();
     } else {
       std::this_thread::sleep_for(waited < kIdle ? kNap : kLongNap);
@@ -42,6 +42,7 @@ class Pause {
   Clock::duration waited() const { return Clock::now() - begin_; }
 
  private:
+  Clock::duration eager_;
   Clock::time_point begin_ = Clock::now();
 };
 
@@ -52,9 +53,11 @@ struct MpiRanks::Group {
   int rank = 0, size = 1;
   std::chrono::milliseconds patience{5000};
   std::vector<std::string> hosts;
+  bool is_crowded = false;        ///< more ranks here than processors
   MPI_Win window = MPI_WIN_NULL;  ///< two counters of rank 0; none until tickets are drawn
   std::uint64_t series = 0;
   std::uint64_t meetings = 0;  ///< of all ranks, this one included
+  std::uint64_t all_met = 0;   ///< the last at which each had a message from each
   std::uint64_t stopped = 0;   ///< the newest pass that rank 0 left
   mutable std::mutex mutex;
   std::string lost;
@@ -70,6 +73,8 @@ struct MpiRanks::Group {
     MPI_Allgather(mine.data(), MPI_MAX_PROCESSOR_NAME, MPI_CHAR, all.data(), MPI_MAX_PROCESSOR_NAME,
                   MPI_CHAR, comm);
     for (const auto& name : all) hosts.emplace_back(name.data());
+    const auto here = std::ranges::count(hosts, hosts[static_cast<std::size_t>(rank)]);
+    is_crowded = here > static_cast<std::ptrdiff_t>(std::thread::hardware_concurrency());
   }
 
   bool is_lost() const {
@@ -88,46 +93,40 @@ struct MpiRanks::Group {
   }
   std::chrono::milliseconds patience_here() const { return rank == 0 ? patience : 3 * patience; }
 
-  /// False after `longest` (none: never). Who waits for long tells rank 0 where.
-  bool wait(std::span<MPI_Request> requests, std::optional<Clock::duration> longest) const {
-    Pause pause;
+  /// Looks until done() says so; false after this rank's patience. Who waits for long tells rank 0
+  /// where.
+  template <class Done>
+  bool wait_until(const Done& done) const {
+    // In a frame a nap and waking up would cost more than most waits.
+    constexpr std::chrono::microseconds kAlone{3000}, kCrowded{100};
+    Pause pause(is_crowded ? kCrowded : kAlone);
     auto next_beat = patience / 4;
-    for (;;) {
-      int done = 0;
-      MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE);
-      if (done != 0) return true;
-      if (longest && pause.waited() > *longest) return false;
-      if (rank != 0 && longest && pause.waited() > next_beat) {
+    while (!done()) {
+      if (pause.waited() > patience_here()) return false;
+      if (rank != 0 && pause.waited() > next_beat) {
         MPI_Send(&meetings, 1, MPI_UINT64_T, 0, kBeatTag, comm);
         next_beat += patience / 4;
       }
       pause();
     }
+    return true;
+  }
+  static bool is_done(MPI_Request& request) {
+    int done = 0;
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    return done != 0;
   }
   bool wait(MPI_Request request) {
-    return wait(std::span(&request, 1), patience_here()) || lose(silent());
+    return wait_until([&] { return is_done(request); }) || lose(silent());
+  }
+  /// However long it takes; sleeps more than it looks.
+  static void wait_idly(MPI_Request request) {
+    constexpr std::chrono::microseconds kEager{300};
+    for (Pause pause(kEager); !is_done(request);) pause();
   }
 
-  /// Bytes of every rank. Rank 0 hears from each by itself, and knows who is missing.
-  bool tell_sizes(std::size_t mine, std::vector<std::uint64_t>& sizes) {
-    sizes.assign(static_cast<std::size_t>(size), mine);
-    std::vector<MPI_Request> requests;
-    if (rank == 0) {
-      requests.resize(static_cast<std::size_t>(size) - 1);
-      for (int other = 1; other < size; ++other)
-        MPI_Irecv(&sizes[static_cast<std::size_t>(other)], 1, MPI_UINT64_T, other, kSizeTag, comm,
-                  &requests[static_cast<std::size_t>(other) - 1]);
-    } else {
-      requests.resize(1);
-      MPI_Isend(&sizes[static_cast<std::size_t>(rank)], 1, MPI_UINT64_T, 0, kSizeTag, comm,
-                requests.data());
-    }
-    if (!wait(requests, patience_here())) return lose(missing(requests));
-    MPI_Request request = MPI_REQUEST_NULL;
-    MPI_Ibcast(sizes.data(), size, MPI_UINT64_T, 0, comm, &request);
-    return wait(request);
-  }
-  /// The first that does not wait at this meeting, too.
+  /// The first that waits for nobody: neither at this meeting nor at one since all had a message
+  /// from each, where ranks may still be.
   std::string silent() const {
     for (int other = 1; rank == 0 && other < size; ++other) {
       bool waits = false;
@@ -136,43 +135,61 @@ struct MpiRanks::Group {
         std::uint64_t where = 0;
         if (more == 0) break;
         MPI_Recv(&where, 1, MPI_UINT64_T, other, kBeatTag, comm, MPI_STATUS_IGNORE);
-        waits = waits || where == meetings;
+        waits = waits || where > all_met;
       }
       if (!waits) return name_of(other);
     }
     return rank == 0 ? "a rank" : name_of(0);
   }
-  std::string missing(std::span<const MPI_Request> requests) const {
-    if (rank != 0) return name_of(0);
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-      // Testall frees none of them until all are done: each is asked alone.
-      MPI_Request request = requests[i];
-      int done = 0;
-      MPI_Request_get_status(request, &done, MPI_STATUS_IGNORE);
-      if (done == 0) return name_of(static_cast<int>(i) + 1);
-    }
-    return "a rank";
-  }
 };
 
 namespace {
 
-struct Layout {
-  std::vector<int> counts, begins;
-};
-Layout layout_of(Gathered& all) {
-  Layout layout;
-  std::size_t begin = 0;
-  for (std::size_t rank = 0; rank < all.ranks(); ++rank) {
-    layout.counts.push_back(count_of(all.of(rank).size()));
-    layout.begins.push_back(count_of(begin));
-    begin += all.of(rank).size();
+/// A meeting's messages under way. A message's length is known when it is there.
+class Delivery {
+ public:
+  Delivery(Mail& mail, int rank, MPI_Comm comm) : mail_(mail), comm_(comm) {
+    const auto ranks = static_cast<int>(mail.to.size());
+    for (int step = 1; step < ranks; ++step) {  // not all to the same rank first
+      const int other = (rank + step) % ranks;
+      send(other);
+      if (mail.comes[static_cast<std::size_t>(other)]) awaited_.push_back(other);
+    }
   }
-  return layout;
-}
-void* start_of(Gathered& all) {
-  return all.ranks() == 0 ? nullptr : all.of(0).data();
-}
+  bool is_done() {
+    std::erase_if(awaited_, [&](int other) { return receive(other); });
+    int done = 0;
+    MPI_Testall(static_cast<int>(requests_.size()), requests_.data(), &done, MPI_STATUSES_IGNORE);
+    return done != 0 && awaited_.empty();
+  }
+
+ private:
+  void send(int other) {
+    const auto& message = mail_.to[static_cast<std::size_t>(other)];
+    if (!message) return;
+    MPI_Isend(message->data(), count_of(message->size()), MPI_BYTE, other, kMailTag, comm_,
+              &requests_.emplace_back());
+  }
+  /// False: it has not come yet.
+  bool receive(int other) {
+    int came = 0, count = 0;
+    MPI_Message message = MPI_MESSAGE_NULL;
+    MPI_Status status;
+    MPI_Improbe(other, kMailTag, comm_, &came, &message, &status);
+    if (came == 0) return false;
+    MPI_Get_count(&status, MPI_BYTE, &count);
+    Bytes& bytes = mail_.from[static_cast<std::size_t>(other)];
+    bytes.clear();  // or growing would copy what is old
+    bytes.resize(static_cast<std::size_t>(count));
+    MPI_Imrecv(bytes.data(), count, MPI_BYTE, &message, &requests_.emplace_back());
+    return true;
+  }
+
+  Mail& mail_;
+  MPI_Comm comm_;
+  std::vector<MPI_Request> requests_;
+  std::vector<int> awaited_;
+};
 
 }  // namespace
 
@@ -209,48 +226,15 @@ std::string MpiRanks::lost() const {
   return group_->lost;
 }
 
-bool MpiRanks::all_gather(const Bytes& mine, Gathered& all) {
+bool MpiRanks::trade(Mail& mail) {
   if (group_->is_lost()) return false;
   ++group_->meetings;
-  if (all.ranks() == 0) {
-    std::vector<std::uint64_t> told;
-    if (!group_->tell_sizes(mine.size(), told)) return false;
-    all = Gathered(std::vector<std::size_t>(told.begin(), told.end()));
-  }
-  const Layout layout = layout_of(all);
-  MPI_Request request = MPI_REQUEST_NULL;
-  MPI_Iallgatherv(mine.data(), count_of(mine.size()), MPI_BYTE, start_of(all), layout.counts.data(),
-                  layout.begins.data(), MPI_BYTE, group_->comm, &request);
-  return group_->wait(request);
-}
-
-bool MpiRanks::gather(const Bytes& mine, Gathered& all) {
-  if (group_->is_lost()) return false;
-  ++group_->meetings;
-  const Layout layout = layout_of(all);
-  MPI_Request request = MPI_REQUEST_NULL;
-  MPI_Igatherv(mine.data(), count_of(mine.size()), MPI_BYTE, start_of(all), layout.counts.data(),
-               layout.begins.data(), MPI_BYTE, 0, group_->comm, &request);
-  return group_->wait(request);
-}
-
-bool MpiRanks::trade(const std::vector<Bytes>& to, Gathered& from) {
-  if (group_->is_lost()) return false;
-  ++group_->meetings;
-  std::vector<std::uint64_t> sent, got(to.size());
-  std::vector<std::size_t> sizes;
-  for (const Bytes& part : to) sent.push_back(part.size()), sizes.push_back(part.size());
-  MPI_Request request = MPI_REQUEST_NULL;
-  MPI_Ialltoall(sent.data(), 1, MPI_UINT64_T, got.data(), 1, MPI_UINT64_T, group_->comm, &request);
-  if (!group_->wait(request)) return false;
-  Gathered parts(sizes);
-  for (std::size_t rank = 0; rank < to.size(); ++rank)
-    std::ranges::copy(to[rank], parts.of(rank).begin());
-  from = Gathered(std::vector<std::size_t>(got.begin(), got.end()));
-  const Layout out = layout_of(parts), in = layout_of(from);
-  MPI_Ialltoallv(start_of(parts), out.counts.data(), out.begins.data(), MPI_BYTE, start_of(from),
-                 in.counts.data(), in.begins.data(), MPI_BYTE, group_->comm, &request);
-  return group_->wait(request);
+  Delivery delivery(mail, group_->rank, group_->comm);
+  if (!group_->wait_until([&] { return delivery.is_done(); }))
+    return group_->lose(group_->silent());
+  const auto others = std::ranges::count(mail.comes, true);
+  if (others == group_->size - 1) group_->all_met = group_->meetings;
+  return true;
 }
 
 bool MpiRanks::broadcast(Bytes& bytes) {
@@ -262,7 +246,7 @@ bool MpiRanks::broadcast(Bytes& bytes) {
   if (group_->rank == 0) {
     if (!group_->wait(request)) return false;
   } else {
-    group_->wait(std::span(&request, 1), std::nullopt);
+    Group::wait_idly(request);
   }
   bytes.resize(size);
   MPI_Ibcast(bytes.data(), count_of(size), MPI_BYTE, 0, group_->comm, &request);

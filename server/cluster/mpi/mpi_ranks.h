@@ -22,9 +22,7 @@ class MpiRanks final : public scheduling::RankGroup {
 
   int rank() const override;
   int size() const override;
-  bool all_gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override;
-  bool gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override;
-  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override;
+  bool trade(scheduling::Mail& mail) override;
   bool broadcast(scheduling::Bytes& bytes) override;
   void begin_tickets() override;
   std::size_t take_ticket() override;

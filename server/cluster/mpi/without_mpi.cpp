@@ -23,13 +23,7 @@ int MpiRanks::size() const {
 std::string MpiRanks::lost() const {
   return {};
 }
-bool MpiRanks::all_gather(const scheduling::Bytes&, scheduling::Gathered&) {
-  return false;
-}
-bool MpiRanks::gather(const scheduling::Bytes&, scheduling::Gathered&) {
-  return false;
-}
-bool MpiRanks::trade(const std::vector<scheduling::Bytes>&, scheduling::Gathered&) {
+bool MpiRanks::trade(scheduling::Mail&) {
   return false;
 }
 bool MpiRanks::broadcast(scheduling::Bytes&) {

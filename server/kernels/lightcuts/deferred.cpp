@@ -229,11 +229,11 @@ class Frame {
   }
 
   /// Light over reflectance, so that textures stay sharp; a channel without any has no light.
-  void smooth(std::size_t v, const scheduling::RowBands& bands, KeptView* last, KeptView& kept) {
+  void smooth(std::size_t v, scheduling::RowBands& bands, KeptView* last, KeptView& kept) {
     const auto begin = std::chrono::steady_clock::now();
     constexpr float kLeast = 1e-3F;
-    const auto scale = [&](const scheduling::Rows& rows, const auto& by) {
-      for_each_point(surfaces_[v], rows, scheduler_,
+    const auto scale = [&](const scheduling::Band& rows, const auto& by) {
+      for_each_point(surfaces_[v], rows, bands,
                      [&](const SurfaceTile& tile, std::size_t i, const image::Pixel& at) {
                        Rgb& light = light_(at.x, at.y);
                        if (!math::is_finite(light)) light = Rgb{0.0F};
@@ -252,10 +252,10 @@ class Frame {
   }
 
   /// Radiance that is no number becomes black, and is counted.
-  void deliver(std::size_t v, const scheduling::RowBands& bands) {
+  void deliver(std::size_t v, scheduling::RowBands& bands) {
     not_finite_.assign(static_cast<std::size_t>(surfaces_[v].height), 0U);
     const auto outcome =
-        for_each_point(surfaces_[v], bands.own(), scheduler_,
+        for_each_point(surfaces_[v], bands.own(), bands,
                        [&](const SurfaceTile&, std::size_t, const image::Pixel& at) {
                          Rgb& radiance = out_.views[v].radiance(at.x, at.y);
                          radiance += light_(at.x, at.y);
@@ -280,7 +280,7 @@ class Frame {
     const auto begin = std::chrono::steady_clock::now();
     ViewBuffers& view = out_.views[v];
     Plane<float> inverse_depth(view.depth_m.width(), view.depth_m.height());
-    const scheduling::Rows beside = bands.around(1);
+    const scheduling::Band beside = bands.around(1);
     bands.run(beside, [&](int y) {
       std::ranges::transform(view.depth_m.row(y), inverse_depth.row(y).begin(),
                              [](float depth) { return 1.0F / depth; });
@@ -304,7 +304,7 @@ class Frame {
   /// Rows of the last picture that this rank's look up.
   void fetch_picture(reconstruction::PictureJoin& joined, scheduling::RowBands& bands,
                      reconstruction::PictureMemory& last) {
-    const scheduling::Rows own = bands.own();
+    const scheduling::Band own = bands.own();
     std::vector<scheduling::Rows> reads(static_cast<std::size_t>(own.count()));
     bands.run(own, [&](int y) {
       const auto [first, end] = joined.locate_row(y);

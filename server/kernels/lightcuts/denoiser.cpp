@@ -96,13 +96,13 @@ class Denoiser {
     to.distance_m.row(at.y)[at.x] = distance_m;
   }
   template <class Body>
-  bool each_point(const scheduling::Rows& rows, const Body& body) {
-    return for_each_point(job_.surfaces, rows, scheduler_, body) == kStopped;
+  bool each_point(const scheduling::Band& rows, const Body& body) {
+    return for_each_point(job_.surfaces, rows, bands_, body) == kStopped;
   }
 
   bool join() {
     reconstruction::MemoryJoin joined(job_.last, kMemory, memory_);
-    const scheduling::Rows first = bands_.around(kBoundRows + kJudgedRows + kFirstRows);
+    const scheduling::Band first = bands_.around(kBoundRows + kJudgedRows + kFirstRows);
     if (bands_.is_shared() && job_.last != nullptr && fetch(joined, first)) return true;
     return bands_.run(first, [&](int y) { joined.join_row(y); }) == kStopped ||
            bands_.run(bands_.around(kJudgedRows + kFirstRows),
@@ -110,7 +110,7 @@ class Denoiser {
            bands_.run(bands_.around(kFirstRows), [&](int y) { joined.judge_row(y); }) == kStopped;
   }
   /// What the last frame remembers where this rank's rows look it up.
-  bool fetch(reconstruction::MemoryJoin& joined, const scheduling::Rows& rows) {
+  bool fetch(reconstruction::MemoryJoin& joined, const scheduling::Band& rows) {
     std::vector<scheduling::Rows> reads(static_cast<std::size_t>(rows.count()));
     bands_.run(rows, [&](int y) {
       const auto [begin, end] = joined.locate_row(y);
@@ -165,7 +165,7 @@ class Denoiser {
   const DenoiseJob& job_;
   TileScheduler& scheduler_;
   scheduling::RowBands bands_;
-  scheduling::Rows seen_;  ///< that smoothing reads
+  scheduling::Band seen_;  ///< that smoothing reads
   Plane<Rgb>& light_;
   LightMemory& memory_;
   LightPlanes now_, next_;

@@ -98,9 +98,9 @@ class MapRows {
     scheduling::RowBands bands(scheduler, height());
     constexpr int kPart = 32;
     const bool by_frame = config_.mode == PerceptionMode::Printed;
-    const auto outcome = bands.run_parts(
-        by_frame ? scheduling::Rows{0, height()} : bands.own(), by_frame ? height() : kPart,
-        [&](const scheduling::Rows& rows) { make_part(rows, seen); });
+    const auto outcome =
+        bands.run_parts(by_frame ? bands.all() : bands.own(), by_frame ? height() : kPart,
+                        [&](const scheduling::Rows& rows) { make_part(rows, seen); });
     if (outcome == scheduling::Outcome::Stopped) return outcome;
     return bands.gather(Audience::EveryRank,
                         [&](int y, Parcel& parcel) { parcel.values(made_.map.row(y)); });

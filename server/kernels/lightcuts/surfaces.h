@@ -60,20 +60,19 @@ struct ViewSurfaces {
   }
 };
 
-/// body(tile, point, pixel) for every point in these rows, tiles on the scheduler's threads.
+/// body(tile, point, pixel) for every point in these rows, tiles on the bands' threads.
 template <class Body>
-scheduling::Outcome for_each_point(const ViewSurfaces& view, const scheduling::Rows& rows,
-                                   TileScheduler& scheduler, const Body& body) {
-  if (rows.count() == 0 || view.columns == 0) return scheduling::Outcome::Completed;
-  const int first = rows.begin / ray::kTileSide, last = (rows.end - 1) / ray::kTileSide;
+scheduling::Outcome for_each_point(const ViewSurfaces& view, const scheduling::Band& rows,
+                                   scheduling::RowBands& bands, const Body& body) {
+  constexpr int kSide = ray::kTileSide;
   const auto columns = static_cast<std::size_t>(view.columns);
-  return scheduler.run(static_cast<std::size_t>(last - first + 1), [&](std::size_t k) {
+  return bands.run_tile_rows(rows, kSide, [&](const scheduling::Rows& part) {
+    const std::size_t first = static_cast<std::size_t>(part.begin / kSide) * columns;
     for (std::size_t column = 0; column < columns; ++column) {
-      const SurfaceTile& tile =
-          view.tiles[(static_cast<std::size_t>(first) + k) * columns + column];
+      const SurfaceTile& tile = view.tiles[first + column];
       for (std::size_t i = 0; i < tile.points.count; ++i) {
         const image::Pixel at = tile.pixel(i);
-        if (at.y >= rows.begin && at.y < rows.end) body(tile, i, at);
+        if (at.y >= part.begin && at.y < part.end) body(tile, i, at);
       }
     }
   });

@@ -223,7 +223,7 @@ class ViewRun {
   auto cells_written(const Plane<std::uint8_t>* mask = nullptr) {
     return [this, mask](const image::Rect& tile, Parcel& parcel) {
       if (mask == nullptr) return kernels::carry(out_, tile, parcel);
-      kernels::carry(out_, tile, *mask, 1, parcel);
+      kernels::carry(out_, scheduling::marked_cells(*mask, tile, 1), parcel);
     };
   }
 
@@ -335,7 +335,8 @@ void ViewRun::trace_paper_pyramid() {
 /// All that a MidWriter writes, where the mask says so.
 void carry(MidLevel& mid, const image::Rect& tile, const Plane<std::uint8_t>& mask,
            Parcel& parcel) {
-  const auto written = [&](auto& plane) { parcel.masked(plane, tile, mask, 1); };
+  const auto cells = scheduling::marked_cells(mask, tile, 1);
+  const auto written = [&](auto& plane) { parcel.cells(plane, cells); };
   written(mid.radiance), written(mid.inverse_depth), written(mid.age), written(mid.surface_id);
   written(mid.normal), written(mid.albedo), written(mid.steps);
 }
@@ -468,7 +469,7 @@ void ViewRun::foveated(const ViewHistory* last, ViewHistory& now) {
   const auto outcome = bands.gather(Audience::RankZero, [&](int y, Parcel& parcel) {
     const image::Rect row{0, y, view.grid.width(), 1};
     if (softened) return kernels::carry(out_, row, parcel);
-    kernels::carry(out_, row, finished, 0, parcel);  // it has the others
+    kernels::carry(out_, scheduling::marked_cells(finished, row, 0), parcel);  // it has the others
   });
   report_.stopped = report_.stopped || outcome == Outcome::Stopped;
 }

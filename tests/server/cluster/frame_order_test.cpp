@@ -9,7 +9,7 @@ TEST(FrameOrder, ComesOutAsItWentIn) {
   cluster::FrameOrder order;
   order.kernel = 3, order.history = 7, order.forgotten = {5, 6};
   order.scene_time = kernels::SceneTime{Nanoseconds{123456789}}, order.frame = 42, order.seed = 9;
-  order.wanted = kernels::kNormal | kernels::kRate;
+  order.wanted = kernels::kNormal | kernels::kRate, order.watched = true;
   kernels::View view;
   view.world_from_view.position = {1.0, -2.0, 3.5};
   view.grid = {{-1.0F, 0.25F, 1.0F}, {-0.5F, 0.5F}};
@@ -28,6 +28,7 @@ TEST(FrameOrder, ComesOutAsItWentIn) {
   EXPECT_EQ(got.frame, 42U);
   EXPECT_EQ(got.seed, 9U);
   EXPECT_EQ(got.wanted, order.wanted);
+  EXPECT_TRUE(got.watched);
   ASSERT_EQ(got.views.size(), 2U);
   EXPECT_EQ(got.views[1].grid, view.grid);
   EXPECT_EQ(got.views[1].world_from_view.position, view.world_from_view.position);

@@ -3,6 +3,7 @@
 // order: the twin, which must fail.
 #include <algorithm>
 #include <iostream>
+#include <span>
 #include <string_view>
 
 #include "server/cluster/mpi/mpi_ranks.h"
@@ -18,15 +19,7 @@ class Swapping final : public scheduling::RankGroup {
   explicit Swapping(std::shared_ptr<scheduling::RankGroup> ranks) : ranks_(std::move(ranks)) {}
   int rank() const override { return ranks_->rank(); }
   int size() const override { return ranks_->size(); }
-  bool all_gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
-    return ranks_->all_gather(mine, all) && swap(all);
-  }
-  bool gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
-    return ranks_->gather(mine, all) && swap(all);
-  }
-  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override {
-    return ranks_->trade(to, from) && swap(from);
-  }
+  bool trade(scheduling::Mail& mail) override { return ranks_->trade(mail) && swap(mail); }
   bool broadcast(scheduling::Bytes& bytes) override { return ranks_->broadcast(bytes); }
   void begin_tickets() override { ranks_->begin_tickets(); }
   std::size_t take_ticket() override { return ranks_->take_ticket(); }
@@ -35,9 +28,9 @@ class Swapping final : public scheduling::RankGroup {
   std::string lost() const override { return ranks_->lost(); }
 
  private:
-  bool swap(scheduling::Gathered& all) const {
-    if (rank() != 0 || all.ranks() < 2 || all.of(1).size() < 8192) return true;
-    const auto message = all.of(1);
+  bool swap(scheduling::Mail& mail) const {
+    if (rank() != 0 || mail.from.size() < 2 || mail.from[1].size() < 8192) return true;
+    const std::span<std::byte> message = mail.from[1];
     std::swap_ranges(message.begin() + 512, message.begin() + 2048,
                      message.begin() + static_cast<std::ptrdiff_t>(message.size() / 8 * 4));
     return true;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <thread>
 
@@ -102,17 +103,50 @@ TEST(RowBands, EachRankFetchesTheRowsThatItNames) {
   });
 }
 
-TEST(RowBands, WhatAStepCostAndHandedOverIsRecorded) {
+TEST(RowBands, WhatStepsCostIsRecordedByTheirReachAndWhatTheyHandOver) {
+  for (const int count : {1, 2}) {
+    on_ranks(count, [&](TileScheduler& scheduler, int rank) {
+      RowBands bands(scheduler, kHeight);
+      bands.run(bands.around(3), [](int) {});
+      bands.run(bands.own(), [](int) {});
+      bands.run(bands.around(3), [](int) {});
+      (void)bands.lend(kReach, [](int y, Parcel& parcel) { parcel.value(y); });
+      ASSERT_TRUE(scheduler.sharing()->tell_row_costs());
+      const PassRecord& record = scheduler.sharing()->passes().back();
+      EXPECT_TRUE(record.over_rows);
+      EXPECT_GT(record.rank_costs_ms.at(static_cast<std::size_t>(count - 1 - rank)), 0.0);
+      EXPECT_EQ(record.reads[20].begin, 20 - kReach);
+      EXPECT_EQ(record.reads[20].end, 20 + kReach + 1);
+      if (count > 1) {
+        EXPECT_EQ(record.bytes_received, kReach * sizeof(int));
+        return;
+      }
+      ASSERT_EQ(record.steps.size(), 2U);
+      EXPECT_EQ(record.steps[0].reach, 3);
+      EXPECT_EQ(record.steps[1].reach, 0);
+      EXPECT_EQ(record.bytes, std::vector<std::uint32_t>(kHeight, sizeof(int)));
+    });
+  }
+}
+
+TEST(RowBands, StepsAfterTheLastTradeAreRecordedToo) {
   on_ranks(2, [](TileScheduler& scheduler, int) {
+    {
+      RowBands(scheduler, kHeight).run(Band{{0, kHeight}}, [](int) {});
+    }
+    { const RowBands idle(scheduler, kHeight); }
+    ASSERT_EQ(scheduler.sharing()->passes().size(), 1U);
+    EXPECT_GT(*std::ranges::max_element(scheduler.sharing()->passes()[0].rank_costs_ms), 0.0);
+    EXPECT_EQ(scheduler.sharing()->passes()[0].bytes_received, 0U);
+  });
+}
+
+TEST(RowBands, PartsOfTilesAreCutWhereThePictureIs) {
+  on_ranks(2, [](TileScheduler& scheduler, int rank) {
     RowBands bands(scheduler, kHeight);
-    bands.run(bands.around(3), [](int) {});
-    (void)bands.lend(kReach, [](int y, Parcel& parcel) { parcel.value(y); });
-    const PassRecord& record = scheduler.sharing()->passes().back();
-    EXPECT_TRUE(record.over_rows);
-    EXPECT_EQ(record.extra, 3);
-    EXPECT_EQ(record.bytes_received, sizeof(double) + kReach * sizeof(int));
-    EXPECT_EQ(record.reads[20].begin, 20 - kReach);
-    EXPECT_EQ(record.reads[20].end, 20 + kReach + 1);
+    std::vector<int> begins;
+    bands.run_tile_rows(bands.own(), 16, [&](const Rows& part) { begins.push_back(part.begin); });
+    EXPECT_EQ(begins, rank == 0 ? std::vector({0, 16}) : std::vector({18, 32}));
   });
 }
 

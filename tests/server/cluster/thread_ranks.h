@@ -5,27 +5,27 @@
 #include <algorithm>
 #include <atomic>
 #include <barrier>
-#include <cstring>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "server/scheduling/rank_group.h"
+#include "shared/base/check.h"
 
 namespace macula::test {
 
-/// Called for what rank 0 gets from another rank in gathers number `call` (from 0).
+/// Called for what rank 0 gets from another rank in trades number `call` (from 0).
 using Tamper = std::function<void(int rank, int call, std::span<std::byte> message)>;
 
 /// What the threads share.
 struct Meeting {
   explicit Meeting(int ranks)
-      : size(ranks), barrier(ranks), given(static_cast<std::size_t>(ranks)), traded(given.size()) {}
+      : size(ranks), barrier(ranks), given(static_cast<std::size_t>(ranks)), mail(given.size()) {}
   int size;
   std::barrier<> barrier;
   std::vector<const scheduling::Bytes*> given;
-  std::vector<const std::vector<scheduling::Bytes>*> traded;
+  std::vector<const scheduling::Mail*> mail;
   std::atomic<std::size_t> tickets{0};
   std::atomic<std::uint64_t> stopped{0};  ///< pass
   Tamper tamper;
@@ -38,25 +38,18 @@ class ThreadRanks final : public scheduling::RankGroup {
 
   int rank() const override { return rank_; }
   int size() const override { return meeting_->size; }
-  bool all_gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
-    meet(mine, &all);
-    return true;
-  }
-  bool gather(const scheduling::Bytes& mine, scheduling::Gathered& all) override {
-    meet(mine, rank_ == 0 ? &all : nullptr);
-    return true;
-  }
-  bool trade(const std::vector<scheduling::Bytes>& to, scheduling::Gathered& from) override {
+  bool trade(scheduling::Mail& mail) override {
     const auto own = static_cast<std::size_t>(rank_);
-    meeting_->traded[own] = &to;
+    meeting_->mail[own] = &mail;
     meeting_->barrier.arrive_and_wait();
-    std::vector<std::size_t> sizes;
-    for (const auto* parts : meeting_->traded) sizes.push_back((*parts)[own].size());
-    from = scheduling::Gathered(sizes);
-    for (std::size_t other = 0; other < sizes.size(); ++other) {
-      std::ranges::copy((*meeting_->traded[other])[own], from.of(other).begin());
-      if (rank_ == 0 && other != 0 && meeting_->tamper)
-        meeting_->tamper(static_cast<int>(other), calls_, from.of(other));
+    for (std::size_t other = 0; other < mail.from.size(); ++other) {
+      if (other == own) continue;
+      const auto& given = meeting_->mail[other]->to[own];
+      MACULA_CHECK(given.has_value() == mail.comes[other], "both sides know of a message");
+      if (!given) continue;
+      mail.from[other].assign(given->begin(), given->end());
+      if (rank_ == 0 && meeting_->tamper)
+        meeting_->tamper(static_cast<int>(other), calls_, mail.from[other]);
     }
     ++calls_;
     meeting_->barrier.arrive_and_wait();
@@ -81,22 +74,6 @@ class ThreadRanks final : public scheduling::RankGroup {
  private:
   void give(const scheduling::Bytes& mine) {
     meeting_->given[static_cast<std::size_t>(rank_)] = &mine;
-    meeting_->barrier.arrive_and_wait();
-  }
-  void meet(const scheduling::Bytes& mine, scheduling::Gathered* all) {
-    give(mine);
-    if (all != nullptr) {
-      std::vector<std::size_t> sizes;
-      for (const scheduling::Bytes* bytes : meeting_->given) sizes.push_back(bytes->size());
-      *all = scheduling::Gathered(sizes);
-      for (std::size_t other = 0; other < sizes.size(); ++other) {
-        if (sizes[other] == 0) continue;
-        std::memcpy(all->of(other).data(), meeting_->given[other]->data(), sizes[other]);
-        if (rank_ == 0 && other != 0 && meeting_->tamper)
-          meeting_->tamper(static_cast<int>(other), calls_, all->of(other));
-      }
-    }
-    ++calls_;
     meeting_->barrier.arrive_and_wait();
   }
 

@@ -28,14 +28,15 @@ TEST(Parcel, CarriesTheCellsThatAMaskWantsAndLeavesTheOthersAlone) {
     image::Plane<float> sent = numbered(kWidth, kHeight, 1000.0F);
     const image::Plane<float> before = numbered(kWidth, kHeight, 0.0F);
     image::Plane<float> got = before;
+    const auto cells = scheduling::marked_cells(mask, rect, wanted);
     Bytes bytes;
     std::size_t weight = 0;
-    Parcel::weighing(weight).masked(sent, rect, mask, wanted);
-    Parcel::packing(bytes).masked(sent, rect, mask, wanted);
+    Parcel::weighing(weight).cells(sent, cells);
+    Parcel::packing(bytes).cells(sent, cells);
     EXPECT_EQ(weight, bytes.size());
     EXPECT_LT(bytes.size(), sizeof(float) * 30 * 7);
     Parcel unpacking = Parcel::unpacking(bytes);
-    unpacking.masked(got, rect, mask, wanted);
+    unpacking.cells(got, cells);
     EXPECT_EQ(unpacking.left(), 0U);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
@@ -48,10 +49,9 @@ TEST(Parcel, CarriesTheCellsThatAMaskWantsAndLeavesTheOthersAlone) {
 }
 
 TEST(Parcel, AMaskThatWantsNothingCarriesNothing) {
-  image::Plane<float> plane = numbered(8, 8, 0.0F);
-  Bytes bytes;
-  Parcel::packing(bytes).masked(plane, {0, 0, 8, 8}, image::Plane<std::uint8_t>(8, 8, 0), 1);
-  EXPECT_TRUE(bytes.empty());
+  const image::Plane<std::uint8_t> mask(8, 8, 0);
+  EXPECT_TRUE(scheduling::marked_cells(mask, {0, 0, 8, 8}, 1).empty());
+  EXPECT_EQ(scheduling::marked_cells(mask, {0, 0, 8, 8}, 0).size(), 64U);
 }
 
 }  // namespace
