@@ -54,7 +54,10 @@ class Frame {
 
   FrameReport run(History& history) {
     auto* last = dynamic_cast<LightHistory*>(history.record.get());
-    if (last != nullptr) surfaces_ = std::move(last->spare);
+    if (last != nullptr) {
+      surfaces_ = std::move(last->spare);
+      spare_reservoirs_ = std::move(last->spare_reservoirs);
+    }
     const LightHistory* before =
         last != nullptr && last->views.size() == request_.views.size() ? last : nullptr;
     gloss_ = config_.gloss == Gloss::Yes && has_gloss(scene_, config_.ray) ? Gloss::Yes : Gloss::No;
@@ -145,9 +148,8 @@ class Frame {
 
   void light(std::size_t v, KeptView* last, KeptView& kept) {
     const ViewSurfaces& view = surfaces_[v];
-    if (reservoirs()) kept.reservoirs.resize(view.width, view.height);
-    light_.resize(view.width, view.height);
-    std::ranges::fill(light_.pixels(), Rgb{0.0F});
+    if (reservoirs()) take_spare(v, kept.reservoirs);
+    light_.resize(view.width, view.height, Rgb{0.0F});
     std::vector<FrameReport> parts(view.tiles.size());
     const CutPlan plan = cuts(v);
     std::optional<OtherEye> other;
@@ -155,6 +157,7 @@ class Frame {
     const auto outcome = scheduling::run_shared(
         scheduler_, parts.size(), Audience::EveryRank, [&] { return places(v, plan); },
         [&](std::size_t k) {
+          clear(view.tiles[k].rect, kept.reservoirs);
           parts[k] = other ? light_rest(*other, v, view.tiles[k], plan, last, kept)
                            : light_tile(v, view.tiles[k], plan, last, kept);
         },
@@ -171,6 +174,18 @@ class Frame {
     if (!report_.stopped) deliver(v, bands);
     if (!report_.stopped && steadies()) steady(v, bands, last, kept);
     if (!report_.stopped) hand_over(v, bands);
+  }
+  /// Memory of a frame that is over, as that left it: tiles clear what is theirs.
+  void take_spare(std::size_t v, Plane<Reservoir>& reservoirs) {
+    const ViewSurfaces& view = surfaces_[v];
+    if (v < spare_reservoirs_.size()) reservoirs = std::move(spare_reservoirs_[v]);
+    if (reservoirs.width() != view.width || reservoirs.height() != view.height)
+      reservoirs.resize(view.width, view.height);
+  }
+  static void clear(const image::Rect& rect, Plane<Reservoir>& reservoirs) {
+    if (reservoirs.empty()) return;
+    for (int y = rect.y; y < rect.y + rect.height; ++y)
+      std::fill_n(reservoirs.row(y).begin() + rect.x, rect.width, Reservoir{});
   }
   /// A tile's work: the nodes its cells ask, and what every cell costs.
   std::vector<scheduling::TilePlace> places(std::size_t v, const CutPlan& plan) const {
@@ -322,7 +337,9 @@ class Frame {
       kept->views[v].view = request_.views[v];
       if (!reservoirs()) continue;
       kept->views[v].surfaces = std::move(surfaces_[v]);
-      if (last != nullptr) kept->spare.push_back(std::move(last->views[v].surfaces));
+      if (last == nullptr) continue;
+      kept->spare.push_back(std::move(last->views[v].surfaces));
+      kept->spare_reservoirs.push_back(std::move(last->views[v].reservoirs));
     }
     if (!reservoirs()) kept->spare = std::move(surfaces_);
     kept->pose.time = scene_.time();
@@ -337,6 +354,7 @@ class Frame {
   FrameBuffers& out_;
   FrameReport report_;
   std::vector<ViewSurfaces> surfaces_;
+  std::vector<Plane<Reservoir>> spare_reservoirs_;
   Gloss gloss_ = Gloss::No;
   LightPlan plan_;
   std::vector<LowPicture> low_;

@@ -24,6 +24,7 @@ struct LightHistory : HistoryRecord {
   scene::ScenePose pose;  ///< time and instances alone
   /// For the next frame to write to: fresh memory would be made and cleared in every frame.
   std::vector<ViewSurfaces> spare;
+  std::vector<image::Plane<Reservoir>> spare_reservoirs;
 };
 
 }  // namespace macula::kernels::lightcuts

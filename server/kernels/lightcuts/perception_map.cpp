@@ -110,8 +110,9 @@ Plane<float> printed_map(const PerceptionMap& made, float alpha) {
 double mean_of(const Plane<float>& map, int most, double scale, Plane<std::uint16_t>* nodes) {
   double sum = 0.0;
   for (std::size_t i = 0; i < map.size(); ++i) {
-    const double wanted = std::round(scale * most * static_cast<double>(map.pixels()[i]));
-    const double count = std::clamp(wanted, 1.0, static_cast<double>(most));
+    const double wanted = scale * most * static_cast<double>(map.pixels()[i]);
+    const double held = std::clamp(wanted, 1.0, static_cast<double>(most));
+    const int count = static_cast<int>(held + 0.5);  // std::round is a call
     if (nodes != nullptr) nodes->pixels()[i] = static_cast<std::uint16_t>(count);
     sum += count;
   }
