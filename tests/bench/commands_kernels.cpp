@@ -137,6 +137,7 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   command.add_option("--reference-passes", options->reference_passes, "Of each half-reference")
       ->check(CLI::Range(1, 1 << 14))
       ->option_text("N (4)");
+  add_references(command, options->references);
   command.add_flag_callback(
       "--no-gloss", [options] { options->gloss = kernels::lightcuts::Gloss::No; },
       "Direct light alone: without what glossy surfaces reflect");

@@ -353,7 +353,7 @@ Result<void> run_scene(const std::string& scene, const LightcutsOptions& options
     std::filesystem::create_directories(folder, ignored);
     if (auto ok = write_maps(*setting, folder, scheduler); !ok) return ok;
   }
-  LightcutsJudge judge(*setting, options.reference_nodes, options.reference_passes, scheduler);
+  LightcutsJudge judge(*setting, references_of(options), scheduler);
   for (const double gaze_deg : options.gazes_deg) {
     setting->look(Degrees{gaze_deg});
     judge.look(*setting);

@@ -20,6 +20,7 @@ struct LightcutsOptions {
   bool alphas = false;                   ///< Table 4: the paper's method at five thresholds too
   int reference_nodes = 256;  ///< of the cuts of each half-reference, every pixel of every pass
   int reference_passes = 4;   ///< of each half
+  std::string references;     ///< folder that half-references are kept in; empty: PictureCache's
   int frames = 4;             ///< judged and timed, a seed each
   int warm_up = 16;           ///< frames of a moving head before those, for methods that remember
   int threads = 0;            ///< 0: all the machine has

@@ -45,6 +45,21 @@ Plane<Rgb> mean_picture(const LightcutsSetting& setting, int nodes, int passes, 
   return mean;
 }
 
+/// Kept for later runs. Virtual lights are the scene's and a number's.
+Plane<Rgb> half_reference(const LightcutsSetting& setting,
+                          const LightcutsJudge::References& references, std::uint64_t seed,
+                          TileScheduler& scheduler) {
+  Hasher hash;
+  hash.add(hash_of(setting.scene->scene())), hash.add(setting.lights), hash.add(setting.gloss);
+  hash.add(setting.view.world_from_view.position), hash.add(setting.view.world_from_view.rotation);
+  hash.add(seed), hash.add(references.nodes), hash.add(references.passes);
+  const int width = setting.display.width_px, height = setting.display.height_px;
+  hash.add(width), hash.add(height);
+  return references.cache.at(hash.value(), width, height, [&] {
+    return mean_picture(setting, references.nodes, references.passes, seed, scheduler);
+  });
+}
+
 /// A scene's name, the camera it is seen by (empty: the first), and whether its surfaces' light is
 /// asked for as well.
 struct Named {
@@ -229,11 +244,15 @@ kernels::lightcuts::LightPlan plan_of(const LightcutsSetting& setting, const Con
                                          scheduler);
 }
 
-LightcutsJudge::LightcutsJudge(const LightcutsSetting& setting, int nodes, int passes,
+LightcutsJudge::References references_of(const LightcutsOptions& options) {
+  return {options.reference_nodes, options.reference_passes, PictureCache(options.references)};
+}
+
+LightcutsJudge::LightcutsJudge(const LightcutsSetting& setting, const References& references,
                                TileScheduler& scheduler)
     : tone_(setting.view.tone),
-      first_(mean_picture(setting, nodes, passes, kFirstReferenceSeed, scheduler)),
-      second_(mean_picture(setting, nodes, passes, kSecondReferenceSeed, scheduler)),
+      first_(half_reference(setting, references, kFirstReferenceSeed, scheduler)),
+      second_(half_reference(setting, references, kSecondReferenceSeed, scheduler)),
       glossy_(glossy_pixels(setting, scheduler)),
       eccentricity_(setting.display.width_px, setting.display.height_px) {
   look(setting);

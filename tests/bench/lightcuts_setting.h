@@ -8,6 +8,8 @@
 #include "server/kernels/scene_timeline.h"
 #include "shared/foveation/pixel_grid.h"
 #include "shared/image/tone.h"
+#include "tests/bench/lightcuts.h"
+#include "tests/bench/picture_cache.h"
 
 namespace macula::bench {
 
@@ -79,7 +81,12 @@ struct LightcutsErrors {
 
 class LightcutsJudge {
  public:
-  LightcutsJudge(const LightcutsSetting& setting, int nodes, int passes,
+  /// Half-references of cuts of so many nodes, the mean of so many passes each.
+  struct References {
+    int nodes, passes;
+    PictureCache cache;
+  };
+  LightcutsJudge(const LightcutsSetting& setting, const References& references,
                  scheduling::TileScheduler& scheduler);
 
   /// Regions lie around the setting's gaze now.
@@ -105,5 +112,7 @@ class LightcutsJudge {
   Plane<std::uint8_t> glossy_;
   Plane<float> eccentricity_;  ///< radians
 };
+
+LightcutsJudge::References references_of(const LightcutsOptions& options);
 
 }  // namespace macula::bench

@@ -103,8 +103,8 @@ class Scene {
         setting_(std::move(setting)),
         options_(options),
         scheduler_(scheduler),
-        left_(eye_of(setting_, 0), options.reference_nodes, options.reference_passes, scheduler),
-        right_(eye_of(setting_, 1), options.reference_nodes, options.reference_passes, scheduler) {}
+        left_(eye_of(setting_, 0), references_of(options), scheduler),
+        right_(eye_of(setting_, 1), references_of(options), scheduler) {}
 
   Result<void> measure(const Method& method, std::vector<Fields>& rows) const {
     double alone_ms = 0.0;
