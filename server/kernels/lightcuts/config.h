@@ -52,6 +52,7 @@ struct Config {
   // ---- Perceived ----
   PerceptionConfig perception;
   int most_nodes = 48;     ///< of a cut where the map is 1, >= 1
+  int least_nodes = 2;     ///< of any cut, >= 1; most_nodes where that is less
   int low_resolution = 8;  ///< cells of the grid along a side of one of the low-resolution picture
   int low_nodes = 16;      ///< of the cuts there; 0: no such picture, the map goes without contrast
   LightSource source = LightSource::LowResolution;

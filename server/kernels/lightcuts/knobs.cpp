@@ -72,6 +72,10 @@ constexpr std::array kKnobs{
             [](Config& c, std::string_view value) {
               return turn_number(c.most_nodes, value, 1, 1024);
             }},
+    CutKnob{"least", "1 to 1024 nodes, no more than most",
+            [](Config& c, std::string_view value) {
+              return turn_number(c.least_nodes, value, 1, 1024);
+            }},
     CutKnob{"low", "2 to 64 cells",
             [](Config& c, std::string_view value) {
               return turn_number(c.low_resolution, value, 2, 64);

@@ -169,7 +169,10 @@ LightPlan plan_lights(const FrameRequest& request, const SceneFrame& scene, cons
     if (plan.report.stopped) return plan;
     plan.maps.push_back(rows.take());
     plan.cut_nodes.push_back(
-        node_counts(plan.maps[v].map, config.most_nodes, config.mean_nodes).nodes);
+        node_counts(plan.maps[v].map,
+                    {config.most_nodes, std::min(config.least_nodes, config.most_nodes)},
+                    config.mean_nodes)
+            .nodes);
   }
   plan.report.mask_ms = units::to_ms(std::chrono::steady_clock::now() - begin);
   return plan;

@@ -41,15 +41,21 @@ void LowNeighbours::add(const LowPicture& low, const Vec2& place, const image::P
   sum_ += weight_[k];
 }
 
-const LowSamples* LowNeighbours::choose(float u) const {
+bool LowNeighbours::any() const {
   constexpr float kLeastAlike = 0.05F;
-  if (sum_ < kLeastAlike) return nullptr;
+  return sum_ >= kLeastAlike;
+}
+
+const LowSamples& LowNeighbours::choose(float u) const {
   float rest = u * sum_;
-  for (int k = 0; k < 3; ++k) {
-    if (rest < weight_[k]) return pixel_[k];
+  int last = 0;
+  for (int k = 0; k < count_; ++k) {
+    if (!(weight_[k] > 0.0F)) continue;
+    last = k;
+    if (rest < weight_[k]) break;
     rest -= weight_[k];
   }
-  return weight_[3] > 0.0F ? pixel_[3] : nullptr;
+  return *pixel_[last];
 }
 
 }  // namespace macula::kernels::lightcuts

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "server/kernels/lightcuts/cut_light.h"
@@ -25,8 +26,10 @@ inline lights::Receiver receiver_of(const ray::LitPoints& points, std::size_t i)
 class LowNeighbours {
  public:
   LowNeighbours(const LowPicture& low, const image::Pixel& cell, const lights::Receiver& receiver);
-  /// For u in [0, 1); none: too unlike.
-  const LowSamples* choose(float u) const;
+  /// Not where all are too unlike.
+  bool any() const;
+  /// For u in [0, 1); with any().
+  const LowSamples& choose(float u) const;
 
  private:
   void add(const LowPicture& low, const Vec2& place, const image::Pixel& pixel,
@@ -64,44 +67,79 @@ class NodeChoices {
     const image::Pixel cell = tile_.pixel(i);
     const lights::Receiver receiver = receiver_of(tile_.points, i);
     const auto point = static_cast<std::uint32_t>(i);
-    lights::LightWalk(tree_, receiver).cut(plan_.nodes(cell.x, cell.y), cut_);
-    if (plan_.low == nullptr) {
-      for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) add_walk({point, r}, receiver);
-      return;
-    }
-    const LowNeighbours neighbours(*plan_.low, cell, receiver);
-    const float own = (*plan_.map)(cell.x, cell.y);
+    const std::uint32_t nodes = plan_.nodes(cell.x, cell.y);
+    std::optional<LowNeighbours> low;
+    if (plan_.low != nullptr) low.emplace(*plan_.low, cell, receiver);
+    if (low && !low->any()) low.reset();
+    // A few nodes know less of what matters than the low pixel's rays; many are the better strata.
+    // With a node for every light nothing need be left to chance.
+    constexpr std::uint32_t kFew = 8;
+    const bool by_node = nodes >= kFew || nodes >= tree_.light_count();
+    const std::uint32_t taken = low && !by_node ? take(point, nodes, *low) : 0;
+    if (taken == nodes) return;
+    lights::LightWalk(tree_, receiver).cut(nodes - taken, cut_);
+    const double share = static_cast<double>(nodes - taken) / nodes;
     for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) {
-      if (!take({point, r}, neighbours, own)) add_walk({point, r}, receiver);
+      const CutNode node{point, taken + r};
+      if (low && by_node && takes(node, *low, cut_.nodes[r])) continue;
+      add_walk(node, receiver, cut_.nodes[r], share);
     }
   }
+  float own_share(std::uint32_t point) const {
+    const image::Pixel cell = tile_.pixel(point);
+    return (*plan_.map)(cell.x, cell.y);
+  }
 
-  bool take(const CutNode& node, const LowNeighbours& neighbours, float own) {
+  /// Of a point's `nodes` lights those that are drawn of all that low pixels drew, evenly over
+  /// what these brought: how many. Each stands for an equal part of all light.
+  std::uint32_t take(std::uint32_t point, std::uint32_t nodes, const LowNeighbours& low) {
+    const sampling::SampleKey key = tile_.points.keys[point];
+    const float walks = own_share(point) * static_cast<float>(nodes);
+    const auto walked = static_cast<std::uint32_t>(walks + sampling::sample(key, kTakeDimension));
+    if (walked >= nodes) return 0;
+    const std::uint32_t taken = nodes - walked;
+    for (std::uint32_t k = 0; k < taken; ++k) {
+      const std::uint32_t dimension = kTakeDimension + 1U + 2U * k;
+      const LowSamples& pixel = low.choose(sampling::sample(key, dimension));
+      const auto u = static_cast<double>(sampling::sample(key, dimension + 1U));
+      lights::LeafChoice choice = pixel.take(tree_, 1, (k + u) / taken);
+      choice.probability *= nodes;
+      sink_(CutNode{point, k}, choice);
+    }
+    work_.taken += taken;
+    return taken;
+  }
+  /// Whether a node's light is one that a low pixel drew for it.
+  bool takes(const CutNode& node, const LowNeighbours& low, lights::NodeId id) {
     const sampling::SampleKey key = tile_.points.keys[node.point];
     const std::uint32_t dimension = kTakeDimension + 4U * node.round;
-    if (sampling::sample(key, dimension) < own) return false;
-    const LowSamples* low = neighbours.choose(sampling::sample(key, dimension + 1U));
-    if (low == nullptr) return false;
+    if (sampling::sample(key, dimension) < own_share(node.point)) return false;
     const auto u = static_cast<double>(sampling::sample(key, dimension + 2U));
-    const lights::LeafChoice choice = low->take(tree_, cut_.nodes[node.round], u);
+    const lights::LeafChoice choice =
+        low.choose(sampling::sample(key, dimension + 1U)).take(tree_, id, u);
     if (choice.leaf == 0 && choice.probability == 0.0) return false;
     ++work_.taken;
     sink_(node, choice);
     return true;
   }
 
-  void add_walk(const CutNode& node, const lights::Receiver& receiver) {
+  /// `share`: what the cut's light counts for in its point's.
+  void add_walk(const CutNode& walker, const lights::Receiver& receiver, lights::NodeId node,
+                double share) {
     descents_.push_back(
-        {receiver, cut_.nodes[node.round],
-         lights::leaf_number(tile_.points.keys[node.point], node.round, tile_.points.sample)});
-    walkers_.push_back(node);
+        {receiver, node,
+         lights::leaf_number(tile_.points.keys[walker.point], walker.round, tile_.points.sample)});
+    walkers_.push_back(walker), shares_.push_back(share);
   }
   void walk() {
     choices_.resize(descents_.size());
     lights::choose_each(tree_, lights::WeightRule::NearAndFar, descents_, choices_);
-    for (std::size_t k = 0; k < walkers_.size(); ++k) sink_(walkers_[k], choices_[k]);
+    for (std::size_t k = 0; k < walkers_.size(); ++k) {
+      choices_[k].probability /= shares_[k];
+      sink_(walkers_[k], choices_[k]);
+    }
     work_.walked += walkers_.size();
-    descents_.clear(), walkers_.clear();
+    descents_.clear(), walkers_.clear(), shares_.clear();
   }
 
   const lights::LightTree& tree_;
@@ -112,6 +150,7 @@ class NodeChoices {
   lights::LightCut cut_;
   std::vector<lights::Descent> descents_;
   std::vector<CutNode> walkers_;
+  std::vector<double> shares_;  ///< that each walk's cut has in its point's light
   std::vector<lights::LeafChoice> choices_;
 };
 

@@ -107,11 +107,13 @@ Plane<float> printed_map(const PerceptionMap& made, float alpha) {
   return map;
 }
 
-double mean_of(const Plane<float>& map, int most, double scale, Plane<std::uint16_t>* nodes) {
+double mean_of(const Plane<float>& map, const NodeRange& range, double scale,
+               Plane<std::uint16_t>* nodes) {
+  const auto most = static_cast<double>(range.most);
   double sum = 0.0;
   for (std::size_t i = 0; i < map.size(); ++i) {
     const double wanted = scale * most * static_cast<double>(map.pixels()[i]);
-    const double held = std::clamp(wanted, 1.0, static_cast<double>(most));
+    const double held = std::clamp(wanted, static_cast<double>(range.least), most);
     const int count = static_cast<int>(held + 0.5);  // std::round is a call
     if (nodes != nullptr) nodes->pixels()[i] = static_cast<std::uint16_t>(count);
     sum += count;
@@ -120,14 +122,14 @@ double mean_of(const Plane<float>& map, int most, double scale, Plane<std::uint1
 }
 
 /// The mean never falls in the scale: halving the interval finds it.
-double scale_for(const Plane<float>& map, int most, double mean_wanted) {
+double scale_for(const Plane<float>& map, const NodeRange& range, double mean_wanted) {
   double low = 0.0, high = 1.0;
   constexpr double kLargest = 0x1p20;
-  while (high < kLargest && mean_of(map, most, high, nullptr) < mean_wanted) high *= 2.0;
+  while (high < kLargest && mean_of(map, range, high, nullptr) < mean_wanted) high *= 2.0;
   constexpr int kHalvings = 40;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
-    (mean_of(map, most, middle, nullptr) < mean_wanted ? low : high) = middle;
+    (mean_of(map, range, middle, nullptr) < mean_wanted ? low : high) = middle;
   }
   return high;
 }
@@ -190,12 +192,12 @@ PerceptionMap make_perception_map(const PerceptionInputs& inputs, const SeenCont
   return made;
 }
 
-NodeCounts node_counts(const Plane<float>& map, int most, double mean_wanted) {
-  MACULA_CHECK(most >= 1 && most <= 0xFFFF);
+NodeCounts node_counts(const Plane<float>& map, const NodeRange& range, double mean_wanted) {
+  MACULA_CHECK(1 <= range.least && range.least <= range.most && range.most <= 0xFFFF);
   NodeCounts counts;
-  if (mean_wanted > 0.0) counts.scale = scale_for(map, most, mean_wanted);
+  if (mean_wanted > 0.0) counts.scale = scale_for(map, range, mean_wanted);
   counts.nodes.resize(map.width(), map.height());
-  counts.mean = mean_of(map, most, counts.scale, &counts.nodes);
+  counts.mean = mean_of(map, range, counts.scale, &counts.nodes);
   return counts;
 }
 

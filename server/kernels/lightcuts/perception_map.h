@@ -67,13 +67,17 @@ PerceptionMap make_perception_map(const PerceptionInputs& inputs, const SeenCont
 /// alpha.
 float share_of_samples(float feature, const PerceptionConfig& config);
 
-/// Nodes of each pixel's cut, max(1, round(scale x most x map)) and at most `most` >= 1. The scale
-/// is the one that brings their mean nearest to `mean_wanted` in [1, most], or 1 for 0: modes are
-/// comparable at equal means only. A map of zeros stays at 1 a pixel.
+/// Of cuts: 1 <= least <= most.
+struct NodeRange {
+  int most, least = 1;
+};
+/// Nodes of each pixel's cut, round(scale x most x map) in that range. The scale is the one that
+/// brings their mean nearest to `mean_wanted` in it, or 1 for 0: modes are comparable at equal
+/// means only. A map of zeros stays at `least` a pixel.
 struct NodeCounts {
   Plane<std::uint16_t> nodes;
   double scale = 1.0, mean = 0.0;
 };
-NodeCounts node_counts(const Plane<float>& map, int most, double mean_wanted = 0.0);
+NodeCounts node_counts(const Plane<float>& map, const NodeRange& range, double mean_wanted = 0.0);
 
 }  // namespace macula::kernels::lightcuts

@@ -171,7 +171,7 @@ TEST(LightcutsKernel, PerceivedSizesOfCutsAndTakenLightsLeaveTheMeanUnchanged) {
     const LightcutsKernel kernel(config);
     std::vector<Plane<Rgb>> frames;
     FrameReport work;
-    for (std::uint64_t seed = 0; seed < 256; ++seed) {
+    for (std::uint64_t seed = 0; seed < 512; ++seed) {
       auto frame = rendered(kernel, *scene, shown.request(seed), scheduler);
       frames.push_back(std::move(frame.radiance));
       work += frame.report;

@@ -108,6 +108,37 @@ TEST(LowSamples, TakenLightsLeaveTheMeanWhereANodeLiesBelowTheLowCut) {
   }
 }
 
+/// Several lights of one low pixel, drawn evenly over what all of its samples brought, in place of
+/// one for each node.
+TEST(LowSamples, SeveralLightsDrawnOfAllSamplesLeaveTheMean) {
+  const Lit lit;
+  constexpr int kTaken = 5;
+  for (const Receiver& near : kNear) {
+    double sum = 0.0, square = 0.0, equal = 0.0;
+    Random random(12);
+    for (int seed = 0; seed < Estimate::kSeeds; ++seed) {
+      const LowSamples samples = drawn(lit, kLow, 24, random);
+      const auto count = static_cast<double>(samples.samples().size());
+      double light = 0.0;
+      for (int k = 0; k < kTaken; ++k) {
+        const LeafChoice choice = samples.take(lit.tree, 1, (k + random.next()) / kTaken);
+        if (choice.leaf == 0) continue;
+        light += lit.light(choice.leaf, near) / choice.probability / kTaken;
+        for (const LowSample& one : samples.samples())
+          if (one.leaf == choice.leaf)
+            equal += lit.light(one.leaf, near) * count / one.probability / kTaken;
+      }
+      sum += light, square += light * light;
+    }
+    constexpr int kSeeds = Estimate::kSeeds;
+    Estimate got{sum / kSeeds, 0.0, kSeeds};
+    got.error = std::sqrt(std::max(square / kSeeds - got.mean * got.mean, 0.0) / kSeeds);
+    EXPECT_TRUE(got.agrees(lit.sum(1, near))) << got.mean << " +- " << got.error;
+    EXPECT_GT(std::abs(equal / kSeeds - lit.sum(1, near)), 9.0 * got.error)
+        << "as if all samples were alike";
+  }
+}
+
 /// The nearest node's light, as Algorithm 2 prints it: the nodes of the low cut inside `node` are
 /// not all given a chance.
 TEST(LowSamples, TheNearestNodeAloneLosesLight) {

@@ -212,7 +212,7 @@ TEST(NodeCounts, MeetTheMeanThatWasWantedAndStayWithinTheirBounds) {
   for (const PerceptionMode mode : kModes) {
     const Plane<float> map = planes.map(mode).map;
     for (const double wanted : {1.5, 4.0, 12.0, 30.0}) {
-      const NodeCounts counts = node_counts(map, 48, wanted);
+      const NodeCounts counts = node_counts(map, {48}, wanted);
       double sum = 0.0;
       for (const std::uint16_t n : counts.nodes.pixels()) {
         ASSERT_GE(n, 1);
@@ -226,9 +226,10 @@ TEST(NodeCounts, MeetTheMeanThatWasWantedAndStayWithinTheirBounds) {
       }
     }
   }
-  const NodeCounts printed = node_counts(planes.map(Stengel).map, 48);
+  const NodeCounts printed = node_counts(planes.map(Stengel).map, {48});
   EXPECT_EQ(printed.nodes(20, 16), 48);
-  EXPECT_EQ(node_counts(Plane<float>(4, 4, 0.0F), 48, 10.0).mean, 1.0);
+  EXPECT_EQ(node_counts(Plane<float>(4, 4, 0.0F), {48}, 10.0).mean, 1.0);
+  EXPECT_EQ(node_counts(Plane<float>(4, 4, 0.0F), {48, 3}, 10.0).mean, 3.0);
 }
 
 }  // namespace
