@@ -16,23 +16,25 @@ void size_plane(image::Plane<T>& plane, bool wanted, int width, int height) {
 
 }  // namespace
 
+void prepare_planes(ViewBuffers& planes, unsigned wanted, int width, int height) {
+  size_plane(planes.radiance, true, width, height);
+  size_plane(planes.depth_m, true, width, height);
+  size_plane(planes.surface_id, (wanted & kSurfaceId) != 0, width, height);
+  size_plane(planes.normal, (wanted & kNormal) != 0, width, height);
+  size_plane(planes.albedo, (wanted & kAlbedo) != 0, width, height);
+  size_plane(planes.motion, false, width, height);
+  size_plane(planes.rate, (wanted & kRate) != 0, width, height);
+  size_plane(planes.variance, (wanted & kVariance) != 0, width, height);
+  size_plane(planes.samples, (wanted & kSamples) != 0, width, height);
+  size_plane(planes.steps, (wanted & kSteps) != 0, width, height);
+  size_plane(planes.light, (wanted & kLight) != 0, width, height);
+  size_plane(planes.reflectance, (wanted & kLight) != 0, width, height);
+}
+
 void prepare_buffers(std::span<const View> views, FrameBuffers& out) {
   out.views.resize(views.size());
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const int width = views[v].grid.width(), height = views[v].grid.height();
-    ViewBuffers& planes = out.views[v];
-    size_plane(planes.radiance, true, width, height);
-    size_plane(planes.depth_m, true, width, height);
-    size_plane(planes.surface_id, (out.wanted & kSurfaceId) != 0, width, height);
-    size_plane(planes.normal, (out.wanted & kNormal) != 0, width, height);
-    size_plane(planes.albedo, (out.wanted & kAlbedo) != 0, width, height);
-    size_plane(planes.motion, false, width, height);
-    size_plane(planes.rate, (out.wanted & kRate) != 0, width, height);
-    size_plane(planes.variance, (out.wanted & kVariance) != 0, width, height);
-    size_plane(planes.samples, (out.wanted & kSamples) != 0, width, height);
-    size_plane(planes.steps, (out.wanted & kSteps) != 0, width, height);
-    size_plane(planes.light, (out.wanted & kLight) != 0, width, height);
-    size_plane(planes.reflectance, (out.wanted & kLight) != 0, width, height);
+    prepare_planes(out.views[v], out.wanted, views[v].grid.width(), views[v].grid.height());
   }
 }
 

@@ -24,7 +24,7 @@ struct RowReads {
   std::vector<Known> known;
   std::vector<std::int32_t> first;   ///< index of the upper left of the four cells around a place
   std::vector<float> across, down;   ///< fractions of the way from its centre to the next ones
-  std::vector<float> share[4];       ///< of the four cells, row by row; 0 for unknown ones
+  std::vector<float> share[4];       ///< where Bilinear: of the four cells; 0 for unknown ones
   std::vector<std::int32_t> within;  ///< index of the cell that contains a place; outside: any
 
   void resize(std::size_t width);
@@ -46,9 +46,15 @@ struct ReadJob {
 /// Which of the places are known, and from which cells.
 void judge_places(const ReadJob& job, const RowPlaces& places, RowReads& reads);
 
-/// The earlier picture at every place that is known; other cells of `row` stay as they are. Bicubic
-/// reads (Catmull-Rom) are held within what the four middle cells show.
-void read_row(const RowReads& reads, const image::Plane<Texel>& picture, std::span<Texel> row);
+/// A plane of the earlier picture, of the size of its depths, and the row that is read from it.
+struct PictureRow {
+  const image::Plane<Texel>& picture;
+  std::span<Texel> row;
+};
+
+/// The earlier picture at every place that is known; other cells of the rows stay as they are.
+/// Bicubic reads (Catmull-Rom) are held within what the four middle cells show.
+void read_row(const RowReads& reads, std::span<const PictureRow> rows);
 
 /// shown[i] = color[i]^2 + sampled[i]^2; the latter may be empty.
 void show_row(std::span<const Texel> color, std::span<const Texel> sampled, std::span<Rgb> shown);

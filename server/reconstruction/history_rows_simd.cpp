@@ -1,4 +1,7 @@
 #include "server/reconstruction/history_rows.h"
+
+#include <algorithm>
+
 #include "shared/base/check.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -28,13 +31,18 @@ HWY_INLINE HWY_ATTR Between<D> between(D d, hn::Vec<D> place, int size) {
 
 /// Shares of the four cells from `first` on: bilinear among the known ones. Where these have next
 /// to no share, by mere rounding of the place, they get equal ones.
-template <class D, class I>
-HWY_INLINE HWY_ATTR void share_out(D d, const float* depths, std::ptrdiff_t stride, I first,
-                                   hn::Vec<D> across, hn::Vec<D> down, std::size_t i,
+template <class D>
+HWY_INLINE HWY_ATTR void share_out(D d, const image::Plane<float>& depths, std::size_t i,
                                    RowReads& reads) {
+  const hn::RebindToSigned<D> di;
+  const std::ptrdiff_t stride = depths.width();
+  const auto first = hn::LoadU(di, reads.first.data() + i);
+  const auto across = hn::LoadU(d, reads.across.data() + i);
+  const auto down = hn::LoadU(d, reads.down.data() + i);
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
   const auto known = [&](std::ptrdiff_t offset) HWY_ATTR {
-    return hn::IfThenElseZero(hn::Ge(hn::GatherIndex(d, depths + offset, first), zero), one);
+    const auto depth = hn::GatherIndex(d, depths.data() + offset, first);
+    return hn::IfThenElseZero(hn::Ge(depth, zero), one);
   };
   const auto k0 = known(0), k1 = known(1), k2 = known(stride), k3 = known(stride + 1);
   const auto left = hn::Sub(one, across), up = hn::Sub(one, down);
@@ -50,10 +58,79 @@ HWY_INLINE HWY_ATTR void share_out(D d, const float* depths, std::ptrdiff_t stri
   hn::StoreU(hn::Mul(scale, hn::IfThenElse(usable, w3, k3)), d, reads.share[3].data() + i);
 }
 
-/// One vector of places. `agrees`: 1 where what lies there is what was looked for, else 0.
+/// Whether all cells of a small rectangle are known; false for what is too large or reaches out.
+HWY_INLINE HWY_ATTR bool knows_all(const image::Plane<float>& depths, int left, int top, int right,
+                                   int bottom) {
+  const hn::ScalableTag<float> d;
+  constexpr int kMostSteps = 4, kMostRows = 8;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int steps = (right - left + lanes - 1) / lanes;
+  if (left < 0 || top < 0 || right > depths.width() || bottom > depths.height()) return false;
+  if (steps > kMostSteps || bottom - top > kMostRows || steps * lanes > depths.width())
+    return false;
+  const int start = std::min(left, depths.width() - steps * lanes);
+  auto least = hn::Zero(d);
+  for (int y = top; y < bottom; ++y) {
+    const float* row = &depths(start, y);
+    for (int k = 0; k < steps; ++k) least = hn::Min(least, hn::LoadU(d, row + k * lanes));
+  }
+  return hn::AllTrue(d, hn::Ge(least, hn::Zero(d)));
+}
+
+/// Whether all sixteen cells around a place are known.
+HWY_INLINE HWY_ATTR bool knows_sixteen(const image::Plane<float>& depths, int x, int y) {
+  const hn::FixedTag<float, 4> d;
+  if (x < 1 || y < 1 || x + 3 > depths.width() || y + 3 > depths.height()) return false;
+  const float* at = &depths(x - 1, y - 1);
+  auto least = hn::LoadU(d, at);
+  for (int j = 1; j < 4; ++j) least = hn::Min(least, hn::LoadU(d, at + j * depths.width()));
+  return hn::AllTrue(d, hn::Ge(least, hn::Zero(d)));
+}
+
+/// What a vector of places is known from.
+template <class D>
+HWY_INLINE HWY_ATTR void know(D d, const ReadJob& job, hn::Mask<D> same,
+                              hn::Vec<hn::RebindToSigned<D>> x, hn::Vec<hn::RebindToSigned<D>> y,
+                              std::size_t i, RowReads& reads) {
+  const hn::RebindToSigned<D> di;
+  constexpr std::size_t kMostLanes = HWY_MAX_BYTES / sizeof(std::int32_t);
+  const auto found = hn::RebindMask(di, same);
+  const bool bicubic = job.reading == Reading::Bicubic;
+  const image::Plane<float>& depths = job.inverse_depth;
+  const auto least = [&](auto v) HWY_ATTR {
+    return hn::GetLane(hn::MinOfLanes(di, hn::IfThenElse(found, v, hn::Set(di, INT32_MAX))));
+  };
+  const auto most = [&](auto v) HWY_ATTR {
+    return hn::GetLane(hn::MaxOfLanes(di, hn::IfThenElseZero(found, v)));
+  };
+  Known* known = reads.known.data() + i;
+  if (hn::AllFalse(d, same)) {
+    std::fill_n(known, hn::Lanes(d), Known::Nothing);
+    return;
+  }
+  HWY_ALIGN std::int32_t agrees[kMostLanes], column[kMostLanes], line[kMostLanes];
+  hn::Store(hn::IfThenElseZero(found, hn::Set(di, 1)), di, agrees);
+  const auto mark = [&](Known as) HWY_ATTR {
+    for (std::size_t k = 0; k < hn::Lanes(d); ++k) known[k] = agrees[k] != 0 ? as : Known::Nothing;
+  };
+  // One look at the cells around all places answers for nearly every vector.
+  if (bicubic && knows_all(depths, least(x) - 1, least(y) - 1, most(x) + 3, most(y) + 3)) {
+    mark(Known::Bicubic);
+    return;
+  }
+  mark(Known::Bilinear);
+  share_out(d, depths, i, reads);
+  if (!bicubic) return;
+  hn::Store(x, di, column), hn::Store(y, di, line);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+    if (agrees[k] != 0 && knows_sixteen(depths, column[k], line[k])) known[k] = Known::Bicubic;
+  }
+}
+
+/// One vector of places.
 template <class D>
 HWY_INLINE HWY_ATTR void judge_at(D d, const ReadJob& job, const RowPlaces& places, std::size_t i,
-                                  std::int32_t* agrees, RowReads& reads) {
+                                  RowReads& reads) {
   const hn::RebindToSigned<D> di;
   const image::Plane<float>& depths = job.inverse_depth;
   const auto zero = hn::Zero(d);
@@ -72,46 +149,22 @@ HWY_INLINE HWY_ATTR void judge_at(D d, const ReadJob& job, const RowPlaces& plac
   const auto slack = hn::Mul(hn::Set(d, job.tolerance), hn::Max(there, expected));
   const auto same = hn::And(
       inside, hn::And(hn::Ge(there, zero), hn::Le(hn::Abs(hn::Sub(there, expected)), slack)));
-  hn::StoreU(hn::IfThenElseZero(hn::RebindMask(di, same), hn::Set(di, 1)), di, agrees);
   const auto across = between(d, hn::IfThenElseZero(inside, x), depths.width());
   const auto down = between(d, hn::IfThenElseZero(inside, y), depths.height());
-  const auto first =
-      hn::Add(hn::Mul(hn::ConvertTo(di, down.first), stride), hn::ConvertTo(di, across.first));
-  hn::StoreU(first, di, reads.first.data() + i);
+  const auto column = hn::ConvertTo(di, across.first), line = hn::ConvertTo(di, down.first);
+  hn::StoreU(hn::Add(hn::Mul(line, stride), column), di, reads.first.data() + i);
   hn::StoreU(across.fraction, d, reads.across.data() + i);
   hn::StoreU(down.fraction, d, reads.down.data() + i);
-  share_out(d, depths.data(), depths.width(), first, across.fraction, down.fraction, i, reads);
-}
-
-/// Whether all sixteen cells around a place are known.
-HWY_INLINE HWY_ATTR bool knows_sixteen(const image::Plane<float>& depths, std::int32_t first) {
-  const hn::FixedTag<float, 4> d;
-  const int x = first % depths.width() - 1, y = first / depths.width() - 1;
-  if (x < 0 || y < 0 || x + 4 > depths.width() || y + 4 > depths.height()) return false;
-  const float* at = depths.data() + first - depths.width() - 1;
-  auto least = hn::LoadU(d, at);
-  for (int j = 1; j < 4; ++j) least = hn::Min(least, hn::LoadU(d, at + j * depths.width()));
-  return hn::AllTrue(d, hn::Ge(least, hn::Zero(d)));
+  know(d, job, same, column, line, i, reads);
 }
 
 HWY_ATTR void judge_row(const ReadJob& job, const RowPlaces& places, RowReads& reads) {
   const hn::ScalableTag<float> d;
   const hn::CappedTag<float, 1> d1;
   const std::size_t width = places.x.size(), lanes = hn::Lanes(d);
-  HWY_ALIGN std::int32_t agrees[HWY_MAX_BYTES / sizeof(std::int32_t)];
-  for (std::size_t i = 0; i < width;) {
-    const std::size_t count = i + lanes <= width ? lanes : 1;
-    if (count == lanes) {
-      judge_at(d, job, places, i, agrees, reads);
-    } else {
-      judge_at(d1, job, places, i, agrees, reads);
-    }
-    for (std::size_t k = 0; k < count; ++k, ++i) {
-      reads.known[i] = agrees[k] != 0 ? Known::Bilinear : Known::Nothing;
-      if (agrees[k] == 0 || job.reading == Reading::Bilinear) continue;
-      if (knows_sixteen(job.inverse_depth, reads.first[i])) reads.known[i] = Known::Bicubic;
-    }
-  }
+  std::size_t i = 0;
+  for (; i + lanes <= width; i += lanes) judge_at(d, job, places, i, reads);
+  for (; i < width; ++i) judge_at(d1, job, places, i, reads);
 }
 
 // ---- what they show ----
@@ -132,44 +185,107 @@ HWY_INLINE HWY_ATTR FourVec bilinear(const Texel* at, std::ptrdiff_t stride, con
   return hn::MulAdd(hn::Set(d, reads.share[3][i]), load(at + stride + 1), sum);
 }
 
-/// Catmull-Rom weights of four cells around a fraction in [0, 1); exact at 0.
+/// Catmull-Rom weights of four cells around fractions in [0, 1), of as many places as a vector has
+/// lanes; exact at 0.
 struct CubicWeights {
-  float w[4];
-  explicit CubicWeights(float t) {
-    const float t2 = t * t, t3 = t2 * t;
-    w[0] = 0.5F * (-t + 2.0F * t2 - t3), w[1] = 0.5F * (2.0F - 5.0F * t2 + 3.0F * t3);
-    w[2] = 0.5F * (t + 4.0F * t2 - 3.0F * t3), w[3] = 0.5F * (t3 - t2);
+  HWY_ALIGN float of[4 * HWY_MAX_BYTES / sizeof(float)];  ///< four by four
+
+  HWY_INLINE HWY_ATTR void set(const float* fractions) {
+    const hn::ScalableTag<float> d;
+    const auto half = hn::Set(d, 0.5F);
+    const auto t = hn::LoadU(d, fractions), t2 = hn::Mul(t, t), t3 = hn::Mul(t2, t);
+    const auto w0 = hn::Mul(half, hn::Sub(hn::Sub(hn::Add(t2, t2), t3), t));
+    const auto w3 = hn::Mul(half, hn::Sub(t3, t2));
+    const auto w1 =
+        hn::MulAdd(hn::Set(d, 1.5F), t3, hn::NegMulAdd(hn::Set(d, 2.5F), t2, hn::Set(d, 1.0F)));
+    const auto w2 =
+        hn::Mul(half, hn::NegMulAdd(hn::Set(d, 3.0F), t3, hn::MulAdd(hn::Set(d, 4.0F), t2, t)));
+    hn::StoreInterleaved4(w0, w1, w2, w3, d, of);
   }
 };
 
-HWY_INLINE HWY_ATTR FourVec bicubic(const Texel* first, std::ptrdiff_t stride, float across,
-                                    float down) {
-  const Four d;
-  const CubicWeights wx(across), wy(down);
-  auto sum = hn::Zero(d);
-  for (int j = 0; j < 4; ++j) {
-    const Texel* at = first + (j - 1) * stride - 1;
-    auto row = hn::Mul(hn::Set(d, wx.w[0]), load(at));
-    for (int i = 1; i < 4; ++i) row = hn::MulAdd(hn::Set(d, wx.w[i]), load(at + i), row);
-    sum = hn::MulAdd(hn::Set(d, wy.w[j]), row, sum);
+/// Vectors of one, two or four cells side by side, and how they become one.
+template <class D>
+HWY_INLINE HWY_ATTR FourVec sum_of_cells(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) > 4) {
+    const hn::Half<D> half;
+    return sum_of_cells(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  } else {
+    return v;
   }
-  const FourVec a = load(first), b = load(first + 1);
-  const FourVec c = load(first + stride), e = load(first + stride + 1);
-  const auto low = hn::Min(hn::Min(a, b), hn::Min(c, e));
-  const auto high = hn::Max(hn::Max(a, b), hn::Max(c, e));
-  return hn::Min(hn::Max(sum, low), high);
+}
+template <class D>
+HWY_INLINE HWY_ATTR FourVec least_of_cells(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) > 4) {
+    const hn::Half<D> half;
+    return least_of_cells(half, hn::Min(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  } else {
+    return v;
+  }
+}
+template <class D>
+HWY_INLINE HWY_ATTR FourVec most_of_cells(D d, hn::Vec<D> v) {
+  if constexpr (hn::MaxLanes(d) > 4) {
+    const hn::Half<D> half;
+    return most_of_cells(half, hn::Max(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+  } else {
+    return v;
+  }
 }
 
-HWY_ATTR void read_cells(const RowReads& reads, const Texel* picture, std::ptrdiff_t stride,
-                         Texel* row) {
-  const Four d;
-  for (std::size_t i = 0; i < reads.known.size(); ++i) {
-    const Texel* first = picture + reads.first[i];
-    if (reads.known[i] == Known::Bilinear) {
-      hn::Store(bilinear(first, stride, reads, i), d, &row[i].r);
-    } else if (reads.known[i] == Known::Bicubic) {
-      hn::Store(bicubic(first, stride, reads.across[i], reads.down[i]), d, &row[i].r);
+/// Which of four weights each number of the vectors of a row of four cells takes.
+HWY_ALIGN constexpr std::int32_t kWeightOf[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+
+/// `wx`, `wy`: four weights each.
+HWY_INLINE HWY_ATTR FourVec bicubic(const Texel* first, std::ptrdiff_t stride, const float* wx,
+                                    const float* wy) {
+  const hn::CappedTag<float, 16> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  constexpr int kLanes = static_cast<int>(hn::MaxLanes(d)), kCells = kLanes / 4;
+  const auto weights = hn::LoadDup128(d, wx);
+  auto sum = hn::Zero(d);
+  for (int part = 0; part < 4 / kCells; ++part) {
+    const float* at = &(first - stride - 1 + part * kCells)->r;
+    auto column = hn::Mul(hn::Set(d, wy[0]), hn::LoadU(d, at));
+    for (int j = 1; j < 4; ++j) {
+      column = hn::MulAdd(hn::Set(d, wy[j]), hn::LoadU(d, at + j * stride * 4), column);
     }
+    const auto which = hn::IndicesFromVec(d, hn::LoadU(di, kWeightOf + part * kLanes));
+    sum = hn::MulAdd(hn::TableLookupLanes(weights, which), column, sum);
+  }
+  const hn::CappedTag<float, 8> pair;
+  auto low = hn::LoadU(pair, &first->r), high = low;
+  for (int cell = static_cast<int>(hn::MaxLanes(pair)) / 4; cell < 4;
+       cell += static_cast<int>(hn::MaxLanes(pair)) / 4) {
+    const auto value = hn::LoadU(pair, &(first + (cell / 2) * stride + cell % 2)->r);
+    low = hn::Min(low, value), high = hn::Max(high, value);
+  }
+  return hn::Min(hn::Max(sum_of_cells(d, sum), least_of_cells(pair, low)),
+                 most_of_cells(pair, high));
+}
+
+HWY_INLINE HWY_ATTR void read_cells(const RowReads& reads, std::size_t begin, std::size_t end,
+                                    const CubicWeights& x, const CubicWeights& y,
+                                    const PictureRow& row) {
+  const std::ptrdiff_t stride = row.picture.width();
+  const Texel* picture = row.picture.data();
+  for (std::size_t i = begin, k = 0; i < end; ++i, k += 4) {
+    const Texel* first = picture + reads.first[i];
+    if (reads.known[i] == Known::Bicubic) {
+      hn::Store(bicubic(first, stride, x.of + k, y.of + k), Four(), &row.row[i].r);
+    } else if (reads.known[i] == Known::Bilinear) {
+      hn::Store(bilinear(first, stride, reads, i), Four(), &row.row[i].r);
+    }
+  }
+}
+
+HWY_ATTR void read_pictures(const RowReads& reads, std::span<const PictureRow> rows) {
+  const std::size_t width = reads.known.size(), step = hn::Lanes(hn::ScalableTag<float>());
+  CubicWeights x, y;
+  for (std::size_t begin = 0; begin < width; begin += step) {
+    const std::size_t end = std::min(begin + step, width);
+    x.set(reads.across.data() + begin), y.set(reads.down.data() + begin);
+    for (const PictureRow& row : rows) read_cells(reads, begin, end, x, y, row);
   }
 }
 
@@ -197,14 +313,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace macula::reconstruction {
 
+/// Numbers in the widest vector of any instruction set.
+constexpr std::size_t kWidestVector = 16;
+
 HWY_EXPORT(judge_row);
-HWY_EXPORT(read_cells);
+HWY_EXPORT(read_pictures);
 HWY_EXPORT(show_cells);
 
 void RowReads::resize(std::size_t width) {
   known.resize(width);
   first.resize(width), within.resize(width);
-  across.resize(width), down.resize(width);
+  // Fractions are read a whole vector at a time.
+  across.resize(width + kWidestVector), down.resize(width + kWidestVector);
   for (auto& of_cell : share) of_cell.resize(width);
 }
 
@@ -221,9 +341,9 @@ void judge_places(const ReadJob& job, const RowPlaces& places, RowReads& reads) 
   HWY_DYNAMIC_DISPATCH(judge_row)(job, places, reads);
 }
 
-void read_row(const RowReads& reads, const image::Plane<Texel>& picture, std::span<Texel> row) {
-  MACULA_CHECK(row.size() == reads.known.size());
-  HWY_DYNAMIC_DISPATCH(read_cells)(reads, picture.data(), picture.width(), row.data());
+void read_row(const RowReads& reads, std::span<const PictureRow> rows) {
+  for (const PictureRow& row : rows) MACULA_CHECK(row.row.size() == reads.known.size());
+  HWY_DYNAMIC_DISPATCH(read_pictures)(reads, rows);
 }
 
 void show_row(std::span<const Texel> color, std::span<const Texel> sampled, std::span<Rgb> shown) {

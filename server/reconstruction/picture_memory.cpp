@@ -98,7 +98,8 @@ PictureJoin::Row PictureJoin::read(int y) {
   Row row;
   judge_places({anything_}, places, row.reads);
   row.roots.resize(places.x.size());
-  read_row(row.reads, last_->roots, row.roots);
+  const PictureRow roots{last_->roots, row.roots};
+  read_row(row.reads, {&roots, 1});
   return row;
 }
 

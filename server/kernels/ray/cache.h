@@ -7,6 +7,7 @@
 
 #include "server/kernels/frame_buffers.h"
 #include "server/kernels/history.h"
+#include "server/kernels/ray/fresh.h"
 #include "server/reconstruction/texel.h"
 #include "shared/foveation/pixel_grid.h"
 #include "shared/image/color.h"
@@ -82,8 +83,7 @@ struct ViewMemory {
   EyePath eyes;
   Cache now, then;       ///< of the last frame, and room for the one before
   float density = 1.0F;  ///< what probabilities below 1 are scaled by, (0, 1]
-  ViewBuffers fresh;     ///< room for a frame's samples
-  Plane<Texel> chroma;   ///< and for their colours in YCoCg
+  FreshSamples fresh;    ///< room for a frame's samples
 };
 
 struct RayRecord final : HistoryRecord {

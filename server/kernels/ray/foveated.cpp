@@ -6,6 +6,7 @@
 #include "server/kernels/parcels.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/cache.h"
+#include "server/kernels/ray/fresh.h"
 #include "server/kernels/ray/merge.h"
 #include "server/kernels/ray/reproject.h"
 #include "server/kernels/ray/resampling.h"
@@ -93,6 +94,8 @@ class ViewFrame {
   FrameReport run(Motion scene_motion) {
     memory_.eyes.note(record_.clock, view_.world_from_view.position);
     choose();
+    fresh_.prepare(view_.grid.width(), view_.grid.height(), context_.wanted,
+                   mask_.chosen().size() + mask_.most_resampled(config_.foveated));
     Outcome outcome = trace(mask_.chosen());
     if (outcome == Outcome::Completed) {
       support_.fill(fresh_, config_.foveated);
@@ -109,7 +112,6 @@ class ViewFrame {
 
  private:
   void choose() {
-    prepare_fresh();
     const double begin = base::thread_cpu_ms();
     mask_.choose(probability_, request_.frame, request_.seed, config_.foveated, scheduler_);
     report_.mask_ms += base::thread_cpu_ms() - begin;
@@ -122,42 +124,37 @@ class ViewFrame {
     memory_.density = budget < 1.0F ? next_density(memory_.density, traced / cells, budget) : 1.0F;
   }
 
-  void prepare_fresh() {
-    FrameBuffers buffers;
-    buffers.wanted = context_.wanted;
-    buffers.views.push_back(std::move(fresh_));
-    prepare_buffers({&view_, 1}, buffers);
-    fresh_ = std::move(buffers.views.front());
-    const int width = view_.grid.width(), height = view_.grid.height();
-    if (memory_.chroma.width() != width || memory_.chroma.height() != height) {
-      memory_.chroma.resize(width, height);
-    }
-  }
-
   Outcome trace(const std::vector<image::Pixel>& cells) {
-    std::vector<FrameReport> parts(batch_count(cells));
+    std::vector<FrameReport> parts(FreshSamples::batch_count(cells.size()));
+    const int first_row = fresh_.place(cells);
+    const auto rect_of = [&](std::size_t batch) {
+      return image::Rect{0, first_row + static_cast<int>(batch),
+                         static_cast<int>(batch_of(cells, batch).size()), 1};
+    };
     const Outcome outcome = Stage(scheduler_, report_.sample_ms)
                                 .run_shared(
                                     parts.size(), by_batches(cells, kBatch, view_.grid, index_),
                                     [&](std::size_t batch) {
-                                      const auto part = batch_of(cells, batch);
-                                      parts[batch] = render_cells(context_, part, fresh_);
-                                      for (const auto& [x, y] : part)
-                                        memory_.chroma(x, y) = chroma_of(fresh_, x, y);
+                                      parts[batch] =
+                                          render_batch(batch_of(cells, batch), rect_of(batch).y);
                                     },
                                     [&](std::size_t batch, Parcel& parcel) {
-                                      const auto part = batch_of(cells, batch);
                                       kernels::carry(parts[batch], parcel);
-                                      kernels::carry(fresh_, part, parcel);
-                                      parcel.cells(memory_.chroma, part);
+                                      kernels::carry(fresh_.planes(), rect_of(batch), parcel);
+                                      parcel.rect(fresh_.chroma(), rect_of(batch));
                                     });
     for (const FrameReport& part : parts) report_ += part;
     return outcome;
   }
-  static constexpr std::size_t kBatch = kTileSide * kTileSide;
-  static std::size_t batch_count(const std::vector<image::Pixel>& cells) {
-    return (cells.size() + kBatch - 1) / kBatch;
+  FrameReport render_batch(std::span<const image::Pixel> cells, int row) {
+    const FrameReport part = render_cells(context_, cells, row, fresh_.planes());
+    for (const auto& [x, y] : cells) {
+      const std::size_t at = fresh_.at(x, y);
+      fresh_.chroma().data()[at] = fresh_.sample(at).chroma();
+    }
+    return part;
   }
+  static constexpr std::size_t kBatch = FreshSamples::kBatch;
   static std::span<const image::Pixel> batch_of(const std::vector<image::Pixel>& cells,
                                                 std::size_t batch) {
     const std::size_t first = batch * kBatch;
@@ -237,9 +234,8 @@ class ViewFrame {
   }
 
   Outcome merge() {
-    const MergeJob job{view_,          support_,         mask_,         fresh_,
-                       memory_.chroma, config_.foveated, record_.clock, motion_,
-                       glossy_past(),  request_.frame};
+    const MergeJob job{view_,         support_, mask_,         fresh_,        config_.foveated,
+                       record_.clock, motion_,  glossy_past(), request_.frame};
     Outcome outcome = in_batches(report_.cache_ms, [&](std::span<const image::Pixel> cells) {
       update_cells(job, cells, memory_.now, out_.radiance);
     });
@@ -254,10 +250,9 @@ class ViewFrame {
   template <class Body>
   Outcome in_batches(double& total_ms, const Body& body) {
     for (const auto* cells : {&mask_.chosen(), &mask_.resampled()}) {
-      const Outcome outcome =
-          Stage(scheduler_, total_ms).run(batch_count(*cells), [&](std::size_t batch) {
-            body(batch_of(*cells, batch));
-          });
+      const Outcome outcome = Stage(scheduler_, total_ms)
+                                  .run(FreshSamples::batch_count(cells->size()),
+                                       [&](std::size_t batch) { body(batch_of(*cells, batch)); });
       if (outcome == Outcome::Stopped) return outcome;
     }
     return Outcome::Completed;
@@ -266,15 +261,16 @@ class ViewFrame {
   Outcome write(const MergeJob& job) {
     const std::vector<image::Pixel>& unknown = mask_.unknown();
     report_.filled_cells += unknown.size();
-    Outcome outcome =
-        Stage(scheduler_, report_.merge_ms).run(batch_count(unknown), [&](std::size_t batch) {
-          fill_cells(job, batch_of(unknown, batch), memory_.now, out_);
-        });
+    Outcome outcome = Stage(scheduler_, report_.merge_ms)
+                          .run(FreshSamples::batch_count(unknown.size()), [&](std::size_t batch) {
+                            fill_cells(job, batch_of(unknown, batch), memory_.now, out_);
+                          });
     if (outcome == Outcome::Completed && config_.foveated.post_filter == PostFilter::On) {
       const std::vector<image::Pixel>& cells = mask_.resampled();
-      outcome = Stage(scheduler_, report_.post_ms).run(batch_count(cells), [&](std::size_t batch) {
-        post_filter_cells(job, batch_of(cells, batch), memory_.now, out_.radiance);
-      });
+      outcome = Stage(scheduler_, report_.post_ms)
+                    .run(FreshSamples::batch_count(cells.size()), [&](std::size_t batch) {
+                      post_filter_cells(job, batch_of(cells, batch), memory_.now, out_.radiance);
+                    });
     }
     if (outcome == Outcome::Stopped) return outcome;
     return in_rows(report_.merge_ms,
@@ -295,7 +291,7 @@ class ViewFrame {
   Support support_;
   Probability probability_;
   SamplingMask mask_;
-  ViewBuffers& fresh_;
+  FreshSamples& fresh_;
   FrameReport report_;
   Motion motion_ = Motion::Moving;
   bool remembers_ = false;

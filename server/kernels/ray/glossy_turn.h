@@ -39,10 +39,10 @@ struct GlossyPast {
   bool any() const { return turns != nullptr; }
   /// How far the eye has turned around the fresh sample of a cell since it was last sampled, over
   /// the threshold.
-  float turned(const View& view, const image::Pixel& cell, const ViewBuffers& fresh,
+  float turned(const View& view, const image::Pixel& cell, const FreshSamples& fresh,
                std::uint32_t touched) const {
-    return turns->turn(view, cell, fresh.depth_m(cell.x, cell.y), fresh.surface_id(cell.x, cell.y),
-                       eyes->at(touched)) /
+    const std::size_t at = fresh.at(cell.x, cell.y);
+    return turns->turn(view, cell, fresh.depth_m(at), fresh.surface_id(at), eyes->at(touched)) /
            threshold;
   }
 };

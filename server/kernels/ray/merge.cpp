@@ -57,8 +57,15 @@ float depth_between(const Support& support, int x, int y) {
 
 void finish_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                   Plane<float>& depth_m) {
-  for (const auto& [x, y] : cells) {
-    const float depth = job.fresh.depth_m(x, y);
+  constexpr std::size_t kAhead = 16;  // cells: about as long as memory takes
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i + kAhead < cells.size()) {
+      const image::Pixel& next = cells[i + kAhead];
+      __builtin_prefetch(&depth_m(next.x, next.y));
+      __builtin_prefetch(&cache.inverse_depth(next.x, next.y));
+    }
+    const auto [x, y] = cells[i];
+    const float depth = job.fresh.depth_m(job.fresh.at(x, y));
     depth_m(x, y) = depth;
     cache.inverse_depth(x, y) = inverse_of(depth);
   }

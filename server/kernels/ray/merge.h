@@ -19,9 +19,7 @@ struct MergeJob {
   const View& view;
   const Support& support;
   const SamplingMask& mask;
-  const ViewBuffers& fresh;
-  /// Of the traced cells: colour as the cache has it, in YCoCg, by chroma_of().
-  const Plane<Texel>& chroma;
+  const FreshSamples& fresh;
   const FoveatedConfig& config;
   std::uint32_t clock = 0;
   Motion motion = Motion::Moving;
@@ -29,9 +27,6 @@ struct MergeJob {
   std::uint64_t frame = 0;  ///< for the post filter's probes
   LimitTable color_limits{config.color_age}, light_limits{config.light_age};
 };
-
-/// A new sample's colour in YCoCg, without the light that is remembered apart.
-Texel chroma_of(const ViewBuffers& fresh, int x, int y);
 
 /// Blends the fresh samples of `cells` into `cache`, and shows them in `radiance`. Depths in the
 /// cache stay the remembered ones until finish_cells(), because neighbours are held against them.

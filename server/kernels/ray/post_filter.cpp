@@ -15,8 +15,8 @@ constexpr int kFarthest = 32;  ///< cells searched along an axis
 bool is_donor(const MergeJob& job, const Cache& cache, int x, int y, float inverse_depth) {
   if (!job.mask.contains(x, y) || job.mask.reason(x, y) == Reason::Resampled) return false;
   if (!job.mask.traced(x, y) && !cache.remembers(x, y)) return false;
-  const float there =
-      job.mask.traced(x, y) ? 1.0F / job.fresh.depth_m(x, y) : cache.inverse_depth(x, y);
+  const float there = job.mask.traced(x, y) ? 1.0F / job.fresh.depth_m(job.fresh.at(x, y))
+                                            : cache.inverse_depth(x, y);
   return std::abs(there - inverse_depth) <=
          job.config.merge_threshold * std::max(there, inverse_depth);
 }
@@ -45,7 +45,7 @@ Rgb light_at(const Cache& cache, int x, int y) {
 }  // namespace
 
 Rgb neighbours_light(const MergeJob& job, const Cache& cache, int x, int y) {
-  const float inverse_depth = 1.0F / job.fresh.depth_m(x, y);
+  const float inverse_depth = 1.0F / job.fresh.depth_m(job.fresh.at(x, y));
   const int reach = search_distance(job, cache, x, y, inverse_depth);
   const sampling::SampleKey key(0xF117U, job.frame, job.view.grid.cell_key(x, y));
   Rgb light = light_at(cache, x, y);

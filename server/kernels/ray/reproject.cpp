@@ -6,6 +6,7 @@
 namespace macula::kernels::ray {
 
 using reconstruction::Known;
+using reconstruction::PictureRow;
 using reconstruction::Reading;
 using reconstruction::RowPlaces;
 using reconstruction::RowReads;
@@ -36,6 +37,7 @@ void Reprojector::rows(int first, int last) const {
       continue;
     }
     judge(row.places, row.reads);
+    list_open(row);
     follow(row);
     follow(row);
     try_corners(row);
@@ -57,10 +59,17 @@ void Reprojector::judge(const RowPlaces& places, RowReads& reads) const {
                                places, reads);
 }
 
+void Reprojector::list_open(Row& row) const {
+  row.open.clear();
+  for (int x = 0; x < job_.view.grid.width(); ++x) {
+    if (row.reads.known[x] == Known::Nothing) row.open.push_back(x);
+  }
+}
+
 /// Takes the depths that were found at the places instead of the ones that were looked for.
 void Reprojector::follow(Row& row) const {
   row.columns.clear(), row.tried_depth.clear();
-  for (int x = 0; x < job_.view.grid.width(); ++x) {
+  for (const int x : row.open) {
     if (row.reads.known[x] != Known::Nothing) continue;
     const float depth = followed_depth(row, x);
     if (depth < 0.0F) continue;
@@ -86,7 +95,7 @@ float Reprojector::followed_depth(const Row& row, int x) const {
 void Reprojector::try_corners(Row& row) const {
   std::vector<int> open;
   std::vector<std::array<float, 4>> corners;
-  for (int x = 0; x < job_.view.grid.width(); ++x) {
+  for (const int x : row.open) {
     if (row.reads.known[x] != Known::Nothing || !job_.support.broken_at(x, row.y)) continue;
     open.push_back(x), corners.push_back(job_.support.corners(x, row.y));
   }
@@ -118,16 +127,29 @@ void Reprojector::try_again(Row& row) const {
 }
 
 void Reprojector::write(Row& row) const {
-  reconstruction::read_row(row.reads, job_.then.color, now_.color.row(row.y));
+  std::vector<PictureRow> rows{{job_.then.color, now_.color.row(row.y)}};
   if (now_.has_light()) {
-    reconstruction::read_row(row.reads, job_.then.sampled, now_.sampled.row(row.y));
-    reconstruction::read_row(row.reads, job_.then.reflectance, now_.reflectance.row(row.y));
+    rows.push_back({job_.then.sampled, now_.sampled.row(row.y)});
+    rows.push_back({job_.then.reflectance, now_.reflectance.row(row.y)});
   }
-  for (int x = 0; x < job_.view.grid.width(); ++x) {
+  reconstruction::read_row(row.reads, rows);
+  const std::span<float> inverse_depth = now_.inverse_depth.row(row.y);
+  for (std::size_t x = 0; x < inverse_depth.size(); ++x) {
     const bool found = row.reads.known[x] != Known::Nothing;
-    now_.inverse_depth(x, row.y) = found ? row.inverse_depth[x] : Cache::kNothing;
-    if (found) copy_info(x, row.y, static_cast<std::size_t>(row.reads.within[x]));
+    inverse_depth[x] = found ? row.inverse_depth[x] : Cache::kNothing;
   }
+  copy(row, job_.then.info, now_.info);
+  copy(row, job_.then.surface_id, now_.surface_id);
+  copy(row, job_.then.normal, now_.normal);
+  copy(row, job_.then.albedo, now_.albedo);
+}
+
+/// What is never filtered. Cells of which nothing is known take what is somewhere: it is not read.
+template <class T>
+void Reprojector::copy(const Row& row, const Plane<T>& then, Plane<T>& now) const {
+  if (now.empty()) return;
+  const std::span<T> to = now.row(row.y);
+  for (std::size_t x = 0; x < to.size(); ++x) to[x] = then.data()[row.reads.within[x]];
 }
 
 /// The printed forms, and pictures of one column or row.

@@ -44,7 +44,8 @@ class Reprojector {
     reconstruction::RowPlaces places;
     reconstruction::RowReads reads;
 
-    std::vector<int> columns;  ///< of the cells that are looked for again
+    std::vector<int> open;     ///< columns of the cells that the first look did not find
+    std::vector<int> columns;  ///< of those that are looked for again
     std::vector<float> tangent_x, tried_depth;
     reconstruction::RowPlaces tried_places;
     reconstruction::RowReads tried_reads;
@@ -52,6 +53,7 @@ class Reprojector {
 
   bool in_vectors() const;
   void judge(const reconstruction::RowPlaces& places, reconstruction::RowReads& reads) const;
+  void list_open(Row& row) const;
   void follow(Row& row) const;
   float followed_depth(const Row& row, int x) const;
   void try_corners(Row& row) const;
@@ -59,6 +61,8 @@ class Reprojector {
   void write(Row& row) const;
   void read_one_by_one(const Row& row) const;
   void copy_info(int x, int y, std::size_t within) const;
+  template <class T>
+  void copy(const Row& row, const Plane<T>& then, Plane<T>& now) const;
 
   const ReprojectJob& job_;
   Cache& now_;

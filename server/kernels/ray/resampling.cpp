@@ -41,8 +41,8 @@ class Scores {
     for (int j = 0; j < rows_; ++j) {
       for (int i = 0; i < columns_; ++i) {
         if (!remembered(i, j)) continue;
-        difference(i, j) =
-            luminance(job_.fresh.radiance(cell_x(i), cell_y(j))) - remembered_luminance(i, j);
+        const FreshSample fresh = job_.fresh.sample(job_.fresh.at(cell_x(i), cell_y(j)));
+        difference(i, j) = luminance(fresh.radiance) - remembered_luminance(i, j);
       }
     }
     for (int j = 0; j < rows_; ++j) {

@@ -17,8 +17,8 @@ enum class Motion { Still, Moving };
 struct ResamplingJob {
   const View& view;
   const Support& support;
-  const ViewBuffers& fresh;  ///< the support cells' samples
-  const Cache& remembered;   ///< reprojected
+  const FreshSamples& fresh;  ///< the support cells' samples
+  const Cache& remembered;    ///< reprojected
   const FoveatedConfig& config;
   Motion motion = Motion::Moving;
   GlossyPast glossy{};

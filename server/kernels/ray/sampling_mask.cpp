@@ -1,6 +1,7 @@
 #include "server/kernels/ray/sampling_mask.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <tuple>
@@ -40,30 +41,19 @@ std::vector<int> quad_starts(const SupportAxis& axis) {
   return starts;
 }
 
-/// body(cell) block by block within larger blocks, so that a packet's and a batch's cells are
-/// neighbours however sparse.
+constexpr int kOuter = 64, kMiddle = 16, kInner = 4;  ///< cells
+
+/// body(x, y) for the cells of a block, block by block within larger blocks, so that a packet's and
+/// a batch's cells are neighbours however sparse.
 template <class Body>
-void for_each_cell_nested(const image::Rect& strip, const Body& body) {
-  constexpr int kOuter = 64, kMiddle = 16, kInner = 4;
-  for_each_block(strip, kOuter, [&](const image::Rect& outer) {
-    for_each_block(outer, kMiddle, [&](const image::Rect& middle) {
-      for_each_block(middle, kInner, [&](const image::Rect& inner) {
-        for (int y = inner.y; y < inner.y + inner.height; ++y) {
-          for (int x = inner.x; x < inner.x + inner.width; ++x) body(image::Pixel{x, y});
-        }
-      });
+void for_each_cell_nested(const image::Rect& outer, const Body& body) {
+  for_each_block(outer, kMiddle, [&](const image::Rect& middle) {
+    for_each_block(middle, kInner, [&](const image::Rect& inner) {
+      for (int y = inner.y; y < inner.y + inner.height; ++y) {
+        for (int x = inner.x; x < inner.x + inner.width; ++x) body(x, y);
+      }
     });
   });
-}
-
-/// The order of for_each_cell_nested.
-std::uint64_t nested_order(const image::Pixel& cell) {
-  const auto x = static_cast<std::uint64_t>(cell.x), y = static_cast<std::uint64_t>(cell.y);
-  const auto part = [](std::uint64_t v, int first, int bits) {
-    return v >> first & ((1U << bits) - 1U);
-  };
-  return y >> 6 << 44 | x >> 6 << 16 | part(y, 4, 2) << 14 | part(x, 4, 2) << 12 |
-         part(y, 2, 2) << 10 | part(x, 2, 2) << 8 | part(y, 0, 2) << 6 | part(x, 0, 2);
 }
 
 void append(const std::vector<std::vector<image::Pixel>>& parts, std::vector<image::Pixel>& list) {
@@ -73,7 +63,7 @@ void append(const std::vector<std::vector<image::Pixel>>& parts, std::vector<ima
   for (const auto& part : parts) list.insert(list.end(), part.begin(), part.end());
 }
 
-constexpr int kBandRows = 64;
+constexpr int kBandRows = kOuter;
 std::size_t band_count(int height) {
   return static_cast<std::size_t>(height + kBandRows - 1) / kBandRows;
 }
@@ -144,7 +134,7 @@ void SamplingMask::choose(const Probability& probability, std::uint64_t frame, s
     }
   });
   for (const std::size_t count : chance) counts_.chance += count;
-  list_chosen(scheduler);
+  list([](Reason reason) { return reason != Reason::None; }, chosen_, scheduler);
 }
 
 std::size_t SamplingMask::choose_row(const Probability& probability, int y, std::uint64_t frame,
@@ -173,15 +163,24 @@ std::size_t SamplingMask::choose_row(const Probability& probability, int y, std:
   return count;
 }
 
-void SamplingMask::list_chosen(TileScheduler& scheduler) {
+template <class Wanted>
+void SamplingMask::list(const Wanted& wanted, std::vector<image::Pixel>& cells,
+                        TileScheduler& scheduler) const {
   const int width = reasons_.width(), height = reasons_.height();
   std::vector<std::vector<image::Pixel>> bands(band_count(height));
   scheduler.run(bands.size(), [&](std::size_t band) {
-    for_each_cell_nested(band_of(band, width, height), [&](const image::Pixel& cell) {
-      if (reasons_(cell.x, cell.y) != Reason::None) bands[band].push_back(cell);
+    for_each_block(band_of(band, width, height), kOuter, [&](const image::Rect& outer) {
+      // Written without a branch: which cells are traced is chance.
+      std::array<image::Pixel, kOuter * kOuter + 1> found;
+      std::size_t count = 0;
+      for_each_cell_nested(outer, [&](int x, int y) {
+        found[count] = {x, y};
+        count += wanted(reasons_(x, y)) ? 1 : 0;
+      });
+      bands[band].insert(bands[band].end(), found.begin(), found.begin() + count);
     });
   });
-  append(bands, chosen_);
+  append(bands, cells);
 }
 
 /// Forgotten cells first, then quads by score.
@@ -189,14 +188,19 @@ void SamplingMask::resample(const Cache* remembered, const Plane<float>& scores,
                             std::uint64_t frame, const FoveatedConfig& config,
                             TileScheduler& scheduler) {
   list_forgotten(remembered, scheduler);
-  const double share = std::clamp(static_cast<double>(config.most_resampled), 0.0, 1.0);
-  const double most = share < 1.0 ? share / (1.0 - share) * static_cast<double>(chosen_.size())
-                                  : static_cast<double>(reasons_.size());
+  const auto most = static_cast<double>(most_resampled(config));
   resample_forgotten(most, frame);
   const double left = most - static_cast<double>(counts_.forgotten);
   if (left > 0.0) resample_quads(scores, left, remembered, frame);
+  resampled_.clear();
+  list([](Reason reason) { return reason == Reason::Resampled; }, resampled_, scheduler);
   counts_.resampled = resampled_.size();
-  std::ranges::sort(resampled_, {}, nested_order);
+}
+
+std::size_t SamplingMask::most_resampled(const FoveatedConfig& config) const {
+  const double share = std::clamp(static_cast<double>(config.most_resampled), 0.0, 1.0);
+  if (share >= 1.0) return reasons_.size();
+  return static_cast<std::size_t>(share / (1.0 - share) * static_cast<double>(chosen_.size()));
 }
 
 void SamplingMask::list_forgotten(const Cache* remembered, TileScheduler& scheduler) {
@@ -220,7 +224,8 @@ void SamplingMask::resample_forgotten(double most, std::uint64_t frame) {
   const float below = forgotten > most ? static_cast<float>(most / forgotten) : 1.0F;
   std::vector<image::Pixel> unknown;
   for (const image::Pixel& cell : unknown_) {
-    if (sampling::BlueNoise::get().threshold(cell.x, cell.y, frame) < below) {
+    const bool taken = sampling::BlueNoise::get().threshold(cell.x, cell.y, frame) < below;
+    if (taken && static_cast<double>(resampled_.size()) < most) {
       reasons_(cell.x, cell.y) = Reason::Resampled;
       resampled_.push_back(cell);
     } else {
@@ -255,7 +260,6 @@ void SamplingMask::resample_quads(const Plane<float>& scores, double most, const
     most -= static_cast<double>(open.size());
     if (most < 0.0) return;
     for (const image::Pixel& cell : open) reasons_(cell.x, cell.y) = Reason::Resampled;
-    resampled_.insert(resampled_.end(), open.begin(), open.end());
   }
 }
 

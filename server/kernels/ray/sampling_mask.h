@@ -64,6 +64,9 @@ class SamplingMask {
   void resample(const Cache* remembered, const Plane<float>& scores, std::uint64_t frame,
                 const FoveatedConfig& config, TileScheduler& scheduler);
 
+  /// How many cells resample() may add.
+  std::size_t most_resampled(const FoveatedConfig& config) const;
+
   Reason reason(int x, int y) const { return reasons_(x, y); }
   bool traced(int x, int y) const { return reasons_(x, y) != Reason::None; }
   bool contains(int x, int y) const { return reasons_.contains(x, y); }
@@ -78,7 +81,8 @@ class SamplingMask {
  private:
   std::size_t choose_row(const Probability& probability, int y, std::uint64_t frame,
                          std::uint64_t seed, MaskKind kind);
-  void list_chosen(TileScheduler& scheduler);
+  template <class Wanted>
+  void list(const Wanted& wanted, std::vector<image::Pixel>& cells, TileScheduler& scheduler) const;
   void list_forgotten(const Cache* remembered, TileScheduler& scheduler);
   void resample_forgotten(double most, std::uint64_t frame);
   void resample_quads(const Plane<float>& scores, double most, const Cache* remembered,

@@ -57,11 +57,12 @@ Support::Support(const PixelGrid& grid, float spacing)
       normal(x.count(), y.count()),
       broken(std::max(x.count() - 1, 1), std::max(y.count() - 1, 1)) {}
 
-void Support::fill(const ViewBuffers& fresh, const FoveatedConfig& config) {
+void Support::fill(const FreshSamples& fresh, const FoveatedConfig& config) {
   for (int j = 0; j < y.count(); ++j) {
     for (int i = 0; i < x.count(); ++i) {
-      inverse_depth(i, j) = inverse_of(fresh.depth_m(x.cells[i], y.cells[j]));
-      normal(i, j) = fresh.normal(x.cells[i], y.cells[j]);
+      const std::size_t at = fresh.at(x.cells[i], y.cells[j]);
+      inverse_depth(i, j) = inverse_of(fresh.depth_m(at));
+      normal(i, j) = fresh.normal(at);
     }
   }
   find_broken(config.depth_threshold);

@@ -12,6 +12,7 @@
 
 #include "server/kernels/kernel.h"
 #include "server/kernels/ray/foveated_config.h"
+#include "server/kernels/ray/fresh.h"
 
 namespace macula::kernels::ray {
 
@@ -46,8 +47,8 @@ struct Support {
   Support(const PixelGrid& grid, float spacing);
   bool chosen(int cell_x, int cell_y) const { return x.chosen[cell_x] && y.chosen[cell_y]; }
 
-  /// From the planes of a frame whose support cells have been traced.
-  void fill(const ViewBuffers& fresh, const FoveatedConfig& config);
+  /// From the samples of a frame whose support cells have been traced.
+  void fill(const FreshSamples& fresh, const FoveatedConfig& config);
   /// Inverse depth at every cell of a row, linear between samples.
   void inverse_depth_row(int cell_y, std::span<float> out) const;
   /// Whether the quad around a cell is broken.

@@ -25,6 +25,7 @@ double ms_since(std::chrono::steady_clock::time_point begin) {
 /// What a cell has gathered over its samples.
 struct Cell {
   int x = 0, y = 0;
+  image::Pixel at;  ///< where its sample is written
   sampling::SampleKey key;
   Rgb sum{0.0F};
   Rgb sampled_sum{0.0F}, reflectance_sum{0.0F};  ///< with kLight
@@ -41,9 +42,15 @@ class TileRun {
   }
   TileRun(const ViewContext& context, std::span<const image::Pixel> cells, ViewBuffers& out)
       : context_(context), out_(out) {
-    for (const image::Pixel& cell : cells) add_cell(cell.x, cell.y);
+    for (const image::Pixel& cell : cells) add_cell(cell.x, cell.y, cell);
     points_.keeps_whole = keeps_whole();
     in_vectors_ = shades_in_vectors(context.scene);
+  }
+  /// Cell k is written at (k, row).
+  TileRun(const ViewContext& context, std::span<const image::Pixel> cells, int row,
+          ViewBuffers& out)
+      : TileRun(context, cells, out) {
+    for (std::size_t k = 0; k < count_; ++k) cells_[k].at = {static_cast<int>(k), row};
   }
 
   FrameReport run() {
@@ -70,14 +77,16 @@ class TileRun {
     for (int by = 0; by < tile.height; by += 4) {
       for (int bx = 0; bx < tile.width; bx += 4) {
         for (int y = by; y < std::min(by + 4, tile.height); ++y) {
-          for (int x = bx; x < std::min(bx + 4, tile.width); ++x) add_cell(tile.x + x, tile.y + y);
+          for (int x = bx; x < std::min(bx + 4, tile.width); ++x) {
+            add_cell(tile.x + x, tile.y + y, {tile.x + x, tile.y + y});
+          }
         }
       }
     }
   }
-  void add_cell(int x, int y) {
+  void add_cell(int x, int y, const image::Pixel& at) {
     Cell& cell = cells_[count_++];
-    cell.x = x, cell.y = y;
+    cell.x = x, cell.y = y, cell.at = at;
     cell.key = {context_.seed, context_.frame, context_.view.grid.cell_key(x, y)};
   }
 
@@ -271,9 +280,10 @@ class TileRun {
     const int n = context_.pattern.samples();
     for (std::size_t i = 0; i < count_; ++i) {
       const Cell& cell = cells_[i];
-      out_.radiance(cell.x, cell.y) = cell.sum / static_cast<float>(n);
-      if (context_.wanted & kSamples) out_.samples(cell.x, cell.y) = static_cast<float>(n);
-      if (context_.wanted & kVariance) out_.variance(cell.x, cell.y) = variance_of_mean(cell, n);
+      out_.radiance(cell.at.x, cell.at.y) = cell.sum / static_cast<float>(n);
+      if (context_.wanted & kSamples) out_.samples(cell.at.x, cell.at.y) = static_cast<float>(n);
+      if (context_.wanted & kVariance)
+        out_.variance(cell.at.x, cell.at.y) = variance_of_mean(cell, n);
       if (context_.wanted & kLight) write_light(cell, n);
     }
   }
@@ -291,22 +301,22 @@ class TileRun {
     for (int c = 0; c < 3; ++c) {
       if (cell.reflectance_sum[c] > 0.0F) light[c] = cell.sampled_sum[c] / cell.reflectance_sum[c];
     }
-    out_.light(cell.x, cell.y) = light;
-    out_.reflectance(cell.x, cell.y) = cell.reflectance_sum / static_cast<float>(n);
+    out_.light(cell.at.x, cell.at.y) = light;
+    out_.reflectance(cell.at.x, cell.at.y) = cell.reflectance_sum / static_cast<float>(n);
   }
 
   void write_guide_miss(const Cell& cell) {
-    out_.depth_m(cell.x, cell.y) = kInfinity;
-    if (context_.wanted & kSurfaceId) out_.surface_id(cell.x, cell.y) = 0;
-    if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = Vec3{0.0F};
-    if (context_.wanted & kAlbedo) out_.albedo(cell.x, cell.y) = Rgb{0.0F};
+    out_.depth_m(cell.at.x, cell.at.y) = kInfinity;
+    if (context_.wanted & kSurfaceId) out_.surface_id(cell.at.x, cell.at.y) = 0;
+    if (context_.wanted & kNormal) out_.normal(cell.at.x, cell.at.y) = Vec3{0.0F};
+    if (context_.wanted & kAlbedo) out_.albedo(cell.at.x, cell.at.y) = Rgb{0.0F};
   }
   void write_guide_hit(std::size_t i, const Vec3& normal, const Rgb& base_color) {
     const Cell& cell = cells_[i];
-    out_.depth_m(cell.x, cell.y) = central_depth(i);
-    if (context_.wanted & kSurfaceId) out_.surface_id(cell.x, cell.y) = hits_.instance[i] + 1;
-    if (context_.wanted & kNormal) out_.normal(cell.x, cell.y) = normal;
-    if (context_.wanted & kAlbedo) out_.albedo(cell.x, cell.y) = base_color;
+    out_.depth_m(cell.at.x, cell.at.y) = central_depth(i);
+    if (context_.wanted & kSurfaceId) out_.surface_id(cell.at.x, cell.at.y) = hits_.instance[i] + 1;
+    if (context_.wanted & kNormal) out_.normal(cell.at.x, cell.at.y) = normal;
+    if (context_.wanted & kAlbedo) out_.albedo(cell.at.x, cell.at.y) = base_color;
   }
   /// View depth where the plane of the surface that the guide hit meets the ray through the cell's
   /// centre: for d along the guide's ray and c along the central one, both with z = -1 in view
@@ -362,6 +372,12 @@ FrameReport render_cells(const ViewContext& context, std::span<const image::Pixe
                          ViewBuffers& out) {
   MACULA_DCHECK(cells.size() <= kCells);
   return TileRun(context, cells, out).run();
+}
+
+FrameReport render_cells(const ViewContext& context, std::span<const image::Pixel> cells, int row,
+                         ViewBuffers& out) {
+  MACULA_DCHECK(cells.size() <= kCells);
+  return TileRun(context, cells, row, out).run();
 }
 
 }  // namespace macula::kernels::ray

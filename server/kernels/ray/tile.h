@@ -38,5 +38,8 @@ FrameReport render_tile(const ViewContext& context, const image::Rect& tile, Vie
 /// Renders at most kTileSide^2 cells from anywhere in the view; near ones should follow each other.
 FrameReport render_cells(const ViewContext& context, std::span<const image::Pixel> cells,
                          ViewBuffers& out);
+/// The same, side by side: cell k's sample goes to (k, row) of `out`.
+FrameReport render_cells(const ViewContext& context, std::span<const image::Pixel> cells, int row,
+                         ViewBuffers& out);
 
 }  // namespace macula::kernels::ray

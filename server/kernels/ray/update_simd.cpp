@@ -14,18 +14,9 @@
 #define MACULA_RAY_UPDATE_CHROMA
 namespace macula::kernels::ray {
 
-inline Rgb ycocg(const Rgb& c) {
-  return {0.25F * c.x + 0.5F * c.y + 0.25F * c.z, 0.5F * c.x - 0.5F * c.z,
-          -0.25F * c.x + 0.5F * c.y - 0.25F * c.z};
-}
 inline Rgb rgb_from_ycocg(const Rgb& c) {
   const float base = c.x - c.z;
   return {base + c.y, c.x + c.z, base - c.y};
-}
-inline Rgb fresh_color(const ViewBuffers& fresh, int x, int y) {
-  const Rgb radiance = fresh.radiance(x, y);
-  if (fresh.light.empty()) return radiance;
-  return glm::max(radiance - fresh.light(x, y) * fresh.reflectance(x, y), Rgb{0.0F});
 }
 
 }  // namespace macula::kernels::ray
@@ -85,26 +76,28 @@ class Update {
   HWY_ATTR void cell(int x, int y) {
     CacheInfo& info = cache_.info(x, y);
     const Reason reason = job_.mask.reason(x, y);
-    if (!cache_.remembers(x, y) || replaces(reason) || !same_surface(x, y)) {
-      replace(x, y, info);
+    const std::size_t at = job_.fresh.at(x, y);
+    const FreshSample fresh = job_.fresh.sample(at);
+    if (!cache_.remembers(x, y) || replaces(reason) || !same_surface(x, y, fresh)) {
+      replace(x, y, fresh, info);
     } else {
-      blend(x, y, reason, info);
+      blend(x, y, reason, fresh, info);
     }
     info.touched = job_.clock;
-    show(x, y, info);
-    if (!cache_.surface_id.empty()) cache_.surface_id(x, y) = job_.fresh.surface_id(x, y);
-    if (!cache_.normal.empty()) cache_.normal(x, y) = job_.fresh.normal(x, y);
-    if (!cache_.albedo.empty()) cache_.albedo(x, y) = job_.fresh.albedo(x, y);
+    show(x, y, fresh, info);
+    if (!cache_.surface_id.empty()) cache_.surface_id(x, y) = job_.fresh.surface_id(at);
+    if (!cache_.normal.empty()) cache_.normal(x, y) = job_.fresh.normal(at);
+    if (!cache_.albedo.empty()) cache_.albedo(x, y) = job_.fresh.albedo(at);
   }
 
   /// Sends for what cell() reads first.
   void fetch(int x, int y) const {
     __builtin_prefetch(&cache_.color(x, y)), __builtin_prefetch(&cache_.info(x, y));
-    __builtin_prefetch(&cache_.inverse_depth(x, y)), __builtin_prefetch(&job_.fresh.radiance(x, y));
-    __builtin_prefetch(&job_.fresh.depth_m(x, y)), __builtin_prefetch(&radiance_(x, y));
+    __builtin_prefetch(&radiance_(x, y));
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, radiance_.height() - 1); ++j)
+      __builtin_prefetch(&cache_.inverse_depth(x, j));
     if (!cache_.has_light()) return;
     __builtin_prefetch(&cache_.sampled(x, y)), __builtin_prefetch(&cache_.reflectance(x, y));
-    __builtin_prefetch(&job_.fresh.light(x, y)), __builtin_prefetch(&job_.fresh.reflectance(x, y));
   }
 
  private:
@@ -115,8 +108,8 @@ class Update {
 
   /// Whether the new sample lies within the depths remembered of the cell and its neighbours: what
   /// an edge pixel shows changes with the jitter. The printed test holds it against its own alone.
-  HWY_ATTR bool same_surface(int x, int y) const {
-    const float fresh = 1.0F / job_.fresh.depth_m(x, y);
+  HWY_ATTR bool same_surface(int x, int y, const FreshSample& sample) const {
+    const float fresh = 1.0F / sample.depth_m;
     DepthRange range;
     if (job_.config.fresh == FreshRule::Replace) {
       range.add(cache_.inverse_depth(x, y));
@@ -128,15 +121,15 @@ class Update {
            fresh <= range.high + slack * std::max(range.high, fresh);
   }
 
-  void replace(int x, int y, CacheInfo& info) {
-    cache_.color(x, y) = held(fresh_color(job_.fresh, x, y));
+  void replace(int x, int y, const FreshSample& fresh, CacheInfo& info) {
+    cache_.color(x, y) = held(fresh.color());
     info.samples = info.light_samples = 1.0F;
     if (!cache_.has_light()) return;
-    cache_.sampled(x, y) = held(job_.fresh.light(x, y) * job_.fresh.reflectance(x, y));
-    cache_.reflectance(x, y) = Texel(job_.fresh.reflectance(x, y));
+    cache_.sampled(x, y) = held(fresh.sampled());
+    cache_.reflectance(x, y) = Texel(fresh.reflectance);
   }
 
-  HWY_ATTR void blend(int x, int y, Reason reason, CacheInfo& info) {
+  HWY_ATTR void blend(int x, int y, Reason reason, const FreshSample& fresh, CacheInfo& info) {
     const std::uint32_t age = job_.clock - info.touched;
     const float turned = share_turned(x, y, info);
     const bool full_rate = reason == Reason::Fovea && age > 0;
@@ -145,13 +138,13 @@ class Update {
         weight(info.samples, aged(limit, turned, job_.config.color_age), job_.config.weight);
     Rgb color = radiance_of(cache_.color(x, y));
     clip(x, y, reason, color);
-    cache_.color(x, y) = held(color + alpha * (fresh_color(job_.fresh, x, y) - color));
+    cache_.color(x, y) = held(color + alpha * (fresh.color() - color));
     info.samples = samples_after(info.samples, alpha);
     if (!cache_.has_light()) return;
     const float light_alpha =
         weight(info.light_samples, aged(job_.light_limits.at(age), turned, job_.config.light_age),
                job_.config.weight);
-    mix_light(x, y, alpha, light_alpha);
+    mix_light(x, y, fresh, alpha, light_alpha);
     info.light_samples = samples_after(info.light_samples, light_alpha);
   }
 
@@ -167,14 +160,12 @@ class Update {
 
   /// Light per unit of reflectance goes by its own weight, what it meets by the colour's. A mean of
   /// light counts what met more reflectance for more.
-  void mix_light(int x, int y, float alpha, float light_alpha) {
-    const Rgb reflectance = job_.fresh.reflectance(x, y);
-    const Rgb arriving = job_.fresh.light(x, y) * reflectance;
+  void mix_light(int x, int y, const FreshSample& fresh, float alpha, float light_alpha) {
     const Rgb before = cache_.reflectance(x, y).rgb();
-    const Rgb met = before + light_alpha * (reflectance - before);
-    const Rgb meets = before + alpha * (reflectance - before);
+    const Rgb met = before + light_alpha * (fresh.reflectance - before);
+    const Rgb meets = before + alpha * (fresh.reflectance - before);
     const Rgb kept = radiance_of(cache_.sampled(x, y));
-    Rgb brought = kept + light_alpha * (arriving - kept);
+    Rgb brought = kept + light_alpha * (fresh.sampled() - kept);
     for (int c = 0; c < 3; ++c) brought[c] *= met[c] > 0.0F ? meets[c] / met[c] : 1.0F;
     cache_.sampled(x, y) = held(brought);
     cache_.reflectance(x, y) = Texel(meets);
@@ -185,8 +176,8 @@ class Update {
   HWY_ATTR void clip(int x, int y, Reason reason, Rgb& remembered) const {
     if (job_.config.clipping == Clipping::Off || job_.motion == Motion::Still) return;
     const Four d;
-    const int left = std::max(x - 1, 0), right = std::min(x + 1, job_.chroma.width() - 1);
-    const int top = std::max(y - 1, 0), bottom = std::min(y + 1, job_.chroma.height() - 1);
+    const int left = std::max(x - 1, 0), right = std::min(x + 1, radiance_.width() - 1);
+    const int top = std::max(y - 1, 0), bottom = std::min(y + 1, radiance_.height() - 1);
     int count = 0;
     for (int j = top; j <= bottom; ++j) {
       for (int i = left; i <= right; ++i) count += job_.mask.traced(i, j) ? 1 : 0;
@@ -197,7 +188,7 @@ class Update {
       for (int i = left; i <= right; ++i) {
         // Chosen without a branch: which neighbours are traced is chance.
         const auto counts = hn::Set(d, job_.mask.traced(i, j) ? 1.0F : 0.0F);
-        const auto value = hn::Mul(counts, hn::Load(d, &job_.chroma(i, j).r));
+        const auto value = hn::Mul(counts, hn::Load(d, &job_.fresh.chroma(job_.fresh.at(i, j)).r));
         sum = hn::Add(sum, value), squares = hn::MulAdd(value, value, squares);
       }
     }
@@ -217,9 +208,9 @@ class Update {
   }
 
   /// A cell without a past shows its sample to the bit.
-  void show(int x, int y, const CacheInfo& info) {
+  void show(int x, int y, const FreshSample& fresh, const CacheInfo& info) {
     if (info.samples == 1.0F && info.light_samples == 1.0F) {
-      radiance_(x, y) = job_.fresh.radiance(x, y);
+      radiance_(x, y) = fresh.radiance;
       return;
     }
     radiance_(x, y) = cache_.shown(x, y);
@@ -233,7 +224,7 @@ class Update {
 HWY_ATTR void update_all(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                          Plane<Rgb>& radiance) {
   Update update(job, cache, radiance);
-  constexpr std::size_t kAhead = 6;  // cells: about as long as memory takes
+  constexpr std::size_t kAhead = 16;  // cells: about as long as memory takes
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (i + kAhead < cells.size()) update.fetch(cells[i + kAhead].x, cells[i + kAhead].y);
     update.cell(cells[i].x, cells[i].y);
@@ -247,10 +238,6 @@ HWY_AFTER_NAMESPACE();
 namespace macula::kernels::ray {
 
 HWY_EXPORT(update_all);
-
-Texel chroma_of(const ViewBuffers& fresh, int x, int y) {
-  return Texel(ycocg(fresh_color(fresh, x, y)));
-}
 
 void update_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                   Plane<Rgb>& radiance) {
