@@ -35,6 +35,7 @@ class CpuLaps {
 struct TileCost {
   std::uint32_t tile = 0;
   float cost_ms = 0.0F;
+  std::uint32_t bytes = 0;  ///< that follow for it
 };
 
 /// What a rank tells of its tiles before what they leave behind.
@@ -66,7 +67,7 @@ bool FrameSharing::leaves(const std::stop_token& stop, Own& own) {
 
 void FrameSharing::run_assigned(TileScheduler& scheduler, const std::vector<std::uint32_t>& tiles,
                                 const TileBody& body, const std::stop_token& stop, Own& own) {
-  for (const std::uint32_t tile : tiles) own.tiles.push_back({tile, 0.0F});
+  for (const std::uint32_t tile : tiles) own.tiles.push_back({tile});
   NextPart next(tiles.size());
   run_timed(
       scheduler, [&] { return leaves(stop, own) ? std::nullopt : next(); },
@@ -92,29 +93,34 @@ void FrameSharing::run_by_ticket(TileScheduler& scheduler, const TileBody& body,
 }
 
 /// A message begins with the summary; what tiles leave follows for those who need it.
-void FrameSharing::write(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
+void FrameSharing::write(const SharedPass& pass, const TileOutputs& outputs, Own& own,
                          PassRecord& record, Mail& mail) {
   const auto rank = static_cast<std::size_t>(ranks_.rank());
   const bool everyone = pass.audience == Audience::EveryRank;
   Bytes& message = mail.written[rank];
   Parcel packing = Parcel::packing(message);
-  Summary mine{own.left_out.load() ? std::uint8_t{1} : std::uint8_t{0}, own.tiles};
+  Summary mine{own.left_out.load() ? std::uint8_t{1} : std::uint8_t{0}, std::move(own.tiles)};
   mine.carry(packing);
   const std::size_t summary = message.size();
   // Nobody else reads what rank 0 leaves for itself.
   const bool sends = ranks_.size() > 1 && (everyone || rank != 0) && mine.stopped == 0;
-  for (const TileCost& tile : own.tiles) {
+  for (TileCost& tile : mine.tiles) {
     std::size_t weight = 0;
     if (sends) {
       const std::size_t before = message.size();
       outputs(tile.tile, packing);
       weight = message.size() - before;
+      tile.bytes = static_cast<std::uint32_t>(weight);
     } else if (ranks_.size() == 1) {
       Parcel weighing = Parcel::weighing(weight);
       outputs(tile.tile, weighing);
     }
     record.bytes[tile.tile] = static_cast<std::uint32_t>(weight);
   }
+  Bytes again;  // now that it knows the bytes
+  Parcel correcting = Parcel::packing(again);
+  mine.carry(correcting);
+  std::ranges::copy(again, message.begin());
   record.bytes_sent = message.size() - summary;
   for (std::size_t other = 0; other < mail.to.size(); ++other) {
     if (other == rank) continue;
@@ -123,43 +129,61 @@ void FrameSharing::write(const SharedPass& pass, const TileOutputs& outputs, con
   }
 }
 
+/// Where a tile's parcel lies in a message.
+struct FrameSharing::Arrived {
+  std::uint32_t tile = 0;
+  std::span<const std::byte> bytes;
+};
+
 /// True: all ranks left the pass.
-bool FrameSharing::read(const SharedPass& pass, const TileOutputs& outputs, PassRecord& record,
-                        Mail& mail) {
+bool FrameSharing::read(const SharedPass& pass, PassRecord& record, Mail& mail,
+                        std::vector<Arrived>& arrived) {
   const auto rank = static_cast<std::size_t>(ranks_.rank());
   const bool receives = pass.audience == Audience::EveryRank || rank == 0;
   std::vector<bool> seen(pass.tiles.size(), false);
-  std::size_t arrived = 0;
+  std::size_t tiles = 0;
   record.rank_costs_ms.assign(mail.from.size(), 0.0);
   for (std::size_t from = 0; from < mail.from.size(); ++from) {
-    Parcel parcel = Parcel::unpacking(from == rank ? mail.written[rank] : mail.from[from]);
+    const Bytes& message = from == rank ? mail.written[rank] : mail.from[from];
+    Parcel parcel = Parcel::unpacking(message);
     Summary summary;
     summary.carry(parcel);
     if (from == 0 && summary.stopped != 0) return true;
-    if (from != rank && receives) record.bytes_received += parcel.left();
-    for (const auto& [tile, cost_ms] : summary.tiles) {
-      MACULA_CHECK(tile < pass.tiles.size() && !seen[tile], "no tile comes twice");
-      seen[tile] = true, ++arrived;
-      record.costs_ms[tile] = cost_ms;
-      record.rank_costs_ms[from] += static_cast<double>(cost_ms);
-      if (from != rank && receives) outputs(tile, parcel);
+    auto left = std::span(message).last(parcel.left());
+    if (from != rank && receives) record.bytes_received += left.size();
+    for (const TileCost& each : summary.tiles) {
+      MACULA_CHECK(each.tile < pass.tiles.size() && !seen[each.tile], "no tile comes twice");
+      seen[each.tile] = true, ++tiles;
+      record.costs_ms[each.tile] = each.cost_ms;
+      record.rank_costs_ms[from] += static_cast<double>(each.cost_ms);
+      if (from == rank || !receives) continue;
+      MACULA_CHECK(each.bytes <= left.size(), "a rank sends what its tiles leave behind");
+      arrived.push_back({each.tile, left.first(each.bytes)});
+      left = left.subspan(each.bytes);
     }
-    MACULA_CHECK(from == rank || parcel.left() == 0,
-                 "a rank sends what its tiles leave behind, and no more");
+    MACULA_CHECK(from == rank || !receives || left.empty(), "and no more");
   }
-  MACULA_CHECK(arrived == pass.tiles.size(), "no tile is lost");
+  MACULA_CHECK(tiles == pass.tiles.size(), "no tile is lost");
   return false;
 }
 
-bool FrameSharing::exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
-                            PassRecord& record, bool& stopped) {
+bool FrameSharing::exchange(TileScheduler& scheduler, const SharedPass& pass,
+                            const TileOutputs& outputs, Own& own, PassRecord& record,
+                            bool& stopped) {
   Mail& mail = ranks_.new_mail();
   CpuLaps laps;
   write(pass, outputs, own, record, mail);
   record.pack_ms = laps.lap_ms();
   if (!meet(mail, record)) return false;
   laps.lap_ms();
-  stopped = read(pass, outputs, record, mail);
+  std::vector<Arrived> arrived;
+  stopped = read(pass, record, mail, arrived);
+  if (stopped) return true;
+  scheduler.run(arrived.size(), [&](std::size_t i) {
+    Parcel parcel = Parcel::unpacking(arrived[i].bytes);
+    outputs(arrived[i].tile, parcel);
+    MACULA_CHECK(parcel.left() == 0, "a tile's parcel holds what its description says");
+  });
   record.pack_ms += laps.lap_ms();
   return true;
 }
@@ -195,7 +219,7 @@ Outcome FrameSharing::run(TileScheduler& scheduler, const SharedPass& pass, cons
   }
   record.tiles_ms = ms_since(begin);
   bool stopped = false;
-  if (!exchange(pass, outputs, own, record, stopped) || stopped) return Outcome::Stopped;
+  if (!exchange(scheduler, pass, outputs, own, record, stopped) || stopped) return Outcome::Stopped;
   forecast_.learn(pass.tiles, record.costs_ms);
   passes_.push_back(std::move(record));
   return Outcome::Completed;

@@ -97,17 +97,18 @@ class FrameSharing {
 
  private:
   struct Own;
+  struct Arrived;
   void run_assigned(TileScheduler& scheduler, const std::vector<std::uint32_t>& tiles,
                     const TileBody& body, const std::stop_token& stop, Own& own);
   /// Whether this pass is to be left; on rank 0, tells the others.
   bool leaves(const std::stop_token& stop, Own& own);
   void run_by_ticket(TileScheduler& scheduler, const TileBody& body, const std::stop_token& stop,
                      std::size_t count, Own& own);
-  bool exchange(const SharedPass& pass, const TileOutputs& outputs, const Own& own,
-                PassRecord& record, bool& stopped);
-  void write(const SharedPass& pass, const TileOutputs& outputs, const Own& own, PassRecord& record,
+  bool exchange(TileScheduler& scheduler, const SharedPass& pass, const TileOutputs& outputs,
+                Own& own, PassRecord& record, bool& stopped);
+  void write(const SharedPass& pass, const TileOutputs& outputs, Own& own, PassRecord& record,
              Mail& mail);
-  bool read(const SharedPass& pass, const TileOutputs& outputs, PassRecord& record, Mail& mail);
+  bool read(const SharedPass& pass, PassRecord& record, Mail& mail, std::vector<Arrived>& arrived);
   void write_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record, Mail& mail);
   void read_rows(const RowTrade& trade, const RowOutputs& outputs, PassRecord& record, Mail& mail);
   bool meet(Mail& mail, PassRecord& record);

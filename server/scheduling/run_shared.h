@@ -12,7 +12,7 @@ namespace macula::scheduling {
 /// body(index) for [0, count). places(): a TilePlace for each. outputs(index, parcel) names all
 /// that a tile's body writes, for a parcel to carry; what it says may depend on the frame's request
 /// and on what is already in the parcel, not on what bodies found. Tiles do not read what others of
-/// the same pass write.
+/// the same pass write; parcels are unpacked on the scheduler's threads.
 template <class Places, class Body, class Outputs>
 Outcome run_shared(TileScheduler& scheduler, std::size_t count, Audience audience, Places&& places,
                    Body&& body, Outputs&& outputs) {

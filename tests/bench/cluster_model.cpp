@@ -178,7 +178,7 @@ ModelledFrame model_frame(const FrameTrace& trace, const ClusterSpec& spec, Bala
     // Rank 0 keeps what it has where nobody else reads it.
     const bool everyone = pass.audience == Audience::EveryRank;
     const double received = bytes - (everyone ? bytes / ranks : shares.front().bytes);
-    frame.copy_ms += (most.bytes + received) / spec.copied_bytes_per_ms;
+    frame.copy_ms += (most.bytes + received / spec.threads) / spec.copied_bytes_per_ms;
     frame.transfer_ms += meeting_ms(spec, ranks - 1.0) + received / spec.bytes_per_ms;
     frame.comm_bytes += everyone ? bytes * (ranks - 1.0) : received;
   }

@@ -22,7 +22,8 @@ struct ClusterSpec {
   double latency_ms = 0.005;         ///< of one message
   double message_ms = 0.001;         ///< of a rank's time for each that it sends and gets
   double bytes_per_ms = 3.125e6;     ///< of a rank's link, each way (25 Gbit/s)
-  double copied_bytes_per_ms = 2e6;  ///< into and out of messages, by one thread of a rank
+  double copied_bytes_per_ms = 2e6;  ///< into and out of messages, by a thread: one packs, and
+                                     ///< unpacks rows; tiles are unpacked by all
 };
 
 struct ModelledFrame {

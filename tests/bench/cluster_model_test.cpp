@@ -44,6 +44,10 @@ TEST(ClusterModel, ThreadsOfARankShareItsTiles) {
   const ClusterSpec spec{2, 16, 0.0, 0.0, 1e12, 1e12};
   const ModelledFrame frame = model_frame(even_tiles(Audience::RankZero), spec, Balance::Predicted);
   EXPECT_DOUBLE_EQ(frame.tiles_ms, 2.0);
+  const ClusterSpec copying{2, 16, 0.0, 0.0, 1e12, 1000.0};
+  EXPECT_DOUBLE_EQ(
+      model_frame(even_tiles(Audience::EveryRank), copying, Balance::Predicted).copy_ms,
+      32.0 + 32.0 / 16.0);
 }
 
 TEST(ClusterModel, StripesWaitForTheCostlyPart) {
