@@ -145,7 +145,7 @@ Run declare_lightcuts(CLI::App& command, Pace) {
                    "Pairs of eyes: cost and error of the second, lit by itself and by what the\n"
                    "first has found; methods sl_denoised,paper,paper_denoised,ours");
   command.add_flag("--quick", options->quick,
-                   "360x425, gaze 0, one frame (of pairs: four) after 4, one pass of 64 nodes");
+                   "360x425, --gazes 0, one frame (of pairs: four) after 4, one pass of 64 nodes");
   add_threads(command, options->threads);
   command.add_option("--pictures", options->pictures, "Maps and pictures of every method")
       ->option_text("FOLDER");

@@ -338,7 +338,7 @@ LightcutsOptions quickened(LightcutsOptions options) {
   options.reference_passes = 1;
   options.frames = options.stereo ? 4 : 1;  // noise of pairs is told by frames
   options.warm_up = std::min(options.warm_up, LightcutsSetting::kSwing);
-  options.gazes_deg = {0};
+  if (options.gazes_deg == LightcutsOptions{}.gazes_deg) options.gazes_deg = {0};
   return options;
 }
 

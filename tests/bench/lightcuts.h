@@ -14,7 +14,7 @@ namespace macula::bench {
 
 struct LightcutsOptions {
   std::vector<std::string> scenes{"cornell-lights@stage", "study", "room", "yard"};
-  bool quick = false;  ///< 360 x 425, gaze in the middle, one frame, fewer references
+  bool quick = false;  ///< 360 x 425, one gaze unless told, one frame, fewer references
   std::vector<double> gazes_deg{0, 20};  ///< to the right of the view axis
   std::vector<std::string> methods;      ///< empty: all
   bool alphas = false;                   ///< Table 4: the paper's method at five thresholds too
