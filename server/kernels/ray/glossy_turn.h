@@ -20,6 +20,10 @@ class GlossyTurn {
   GlossyTurn(const SceneFrame& scene, const Config& config);
 
   bool any() const { return !alpha_.empty(); }
+  /// Whether the surface of this id has a lobe that turns; 0: nothing was hit.
+  bool is_glossy(std::uint32_t surface_id) const {
+    return surface_id != 0 && alpha_[surfaces_.material(surface_id - 1)] > 0.0F;
+  }
   /// Of the point at `depth_m` along the cell's ray on the surface of this id: the angle between
   /// the directions to the eye now and at `then`, over the GGX width of its lobe. 0: diffuse.
   float turn(const View& view, const image::Pixel& cell, float depth_m, std::uint32_t surface_id,

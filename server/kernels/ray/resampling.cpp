@@ -117,6 +117,7 @@ class Scores {
   /// By the cell of its diagonal that is remembered longest: corners are traced each frame.
   float turn_of_quad(int i, int j) const {
     const int x = cell_x(i), y = cell_y(j), end = cell_x(std::min(i + 1, columns_ - 1));
+    if (!job_.glossy.turns->is_glossy(job_.fresh.surface_id(job_.fresh.at(x, y)))) return 0.0F;
     const Plane<CacheInfo>& info = job_.remembered.info;
     std::optional<std::uint32_t> oldest;
     for (int k = x; k < end; ++k) {

@@ -169,6 +169,7 @@ void SamplingMask::list(const Wanted& wanted, std::vector<image::Pixel>& cells,
   const int width = reasons_.width(), height = reasons_.height();
   std::vector<std::vector<image::Pixel>> bands(band_count(height));
   scheduler.run(bands.size(), [&](std::size_t band) {
+    bands[band].reserve(static_cast<std::size_t>(width) * kBandRows / 4);  // about what is traced
     for_each_block(band_of(band, width, height), kOuter, [&](const image::Rect& outer) {
       // Written without a branch: which cells are traced is chance.
       std::array<image::Pixel, kOuter * kOuter + 1> found;
