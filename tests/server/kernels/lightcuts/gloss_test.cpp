@@ -108,10 +108,17 @@ Estimate brute_force(const SceneFrame& scene, int bounces, std::uint64_t seed) {
   return ball(**make_kernel("brute", exact(bounces)), scene, seed);
 }
 
-class GlossReference : public testing::TestWithParam<scene::Material> {};
+struct Shining {
+  const char* name;
+  scene::Material material;
+};
+std::ostream& operator<<(std::ostream& out, const Shining& shining) {
+  return out << shining.name;
+}
+class GlossReference : public testing::TestWithParam<Shining> {};
 
 TEST_P(GlossReference, OneBounceIsBruteForcesAndNothingIsCountedTwice) {
-  const auto scene = test::frame_of(room_with(GetParam()));
+  const auto scene = test::frame_of(room_with(GetParam().material));
   const Estimate truth = brute_force(*scene, 1, 1000);
   const Estimate found = ball(LightcutsKernel(glossy()), *scene, 5000);
   EXPECT_LT(found.off(truth), 4.0) << found.mean << " for " << truth.mean;
@@ -120,7 +127,7 @@ TEST_P(GlossReference, OneBounceIsBruteForcesAndNothingIsCountedTwice) {
   const Estimate direct = ball(LightcutsKernel(glossy(Gloss::No)), *scene, 5000);
   EXPECT_GT(direct.off(truth), 4.0) << "without a bounce it must fail";
   // What the lobe's rays would see the panel send is what panels send to the lobe.
-  scene::Scene panel = room_with(GetParam());
+  scene::Scene panel = room_with(GetParam().material);
   panel.lights.clear();
   panel.settings.ambient = Rgb{0.0F};
   const Estimate emitted = brute_force(*test::frame_of(std::move(panel)), 0, 9000);
@@ -128,7 +135,10 @@ TEST_P(GlossReference, OneBounceIsBruteForcesAndNothingIsCountedTwice) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Materials, GlossReference,
-                         testing::Values(metal(0.14F), metal(0.3F), metal(0.5F), varnish(0.35F)));
+                         testing::Values(Shining{"polished metal", metal(0.14F)},
+                                         Shining{"brushed metal", metal(0.3F)},
+                                         Shining{"dull metal", metal(0.5F)},
+                                         Shining{"varnish", varnish(0.35F)}));
 
 TEST(GlossPass, WhatLiesUnderAVarnishIsNotReflectedAgain) {
   const auto bounce_of = [](float albedo) {
