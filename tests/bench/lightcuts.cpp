@@ -371,6 +371,8 @@ Result<void> run_scene(const std::string& scene, const LightcutsOptions& options
 std::vector<Fields> gains(const std::vector<Fields>& rows) {
   std::vector<Fields> lines;
   for (const char* name : {"sl_as", "paper_no_reuse", "paper", "ours_exact", "ours"}) {
+    const auto is_of_it = [&](const Fields& row) { return text_in(row, "method") == name; };
+    if (std::ranges::none_of(rows, is_of_it)) continue;
     Fields line{{"method", std::string(name)}};
     for (const char* key :
          {"gain_f25", "gain_out25", "speed_f25", "plain_gain_f25", "plain_gain_out25"}) {
@@ -379,7 +381,7 @@ std::vector<Fields> gains(const std::vector<Fields>& rows) {
       for (const Fields& row : rows) {
         const bool is_default = number_in(row, "alpha") ==
                                 static_cast<double>(kernels::lightcuts::PerceptionConfig{}.alpha);
-        if (text_in(row, "method") != name || !is_default) continue;
+        if (!is_of_it(row) || !is_default) continue;
         const double value = number_in(row, key);
         if (std::isnan(value)) continue;  // its baseline was not measured
         sum += std::log(value), worst = std::min(worst, value), ++count;
