@@ -204,30 +204,12 @@ struct CubicWeights {
   }
 };
 
-/// Vectors of one, two or four cells side by side, and how they become one.
-template <class D>
-HWY_INLINE HWY_ATTR FourVec sum_of_cells(D d, hn::Vec<D> v) {
+/// Of one, two or four cells side by side what join() makes of them.
+template <class D, class Join>
+HWY_INLINE HWY_ATTR FourVec joined(D d, hn::Vec<D> v, const Join& join) {
   if constexpr (hn::MaxLanes(d) > 4) {
     const hn::Half<D> half;
-    return sum_of_cells(half, hn::Add(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
-  } else {
-    return v;
-  }
-}
-template <class D>
-HWY_INLINE HWY_ATTR FourVec least_of_cells(D d, hn::Vec<D> v) {
-  if constexpr (hn::MaxLanes(d) > 4) {
-    const hn::Half<D> half;
-    return least_of_cells(half, hn::Min(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
-  } else {
-    return v;
-  }
-}
-template <class D>
-HWY_INLINE HWY_ATTR FourVec most_of_cells(D d, hn::Vec<D> v) {
-  if constexpr (hn::MaxLanes(d) > 4) {
-    const hn::Half<D> half;
-    return most_of_cells(half, hn::Max(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+    return joined(half, join(hn::LowerHalf(half, v), hn::UpperHalf(half, v)), join);
   } else {
     return v;
   }
@@ -260,8 +242,10 @@ HWY_INLINE HWY_ATTR FourVec bicubic(const Texel* first, std::ptrdiff_t stride, c
     const auto value = hn::LoadU(pair, &(first + (cell / 2) * stride + cell % 2)->r);
     low = hn::Min(low, value), high = hn::Max(high, value);
   }
-  return hn::Min(hn::Max(sum_of_cells(d, sum), least_of_cells(pair, low)),
-                 most_of_cells(pair, high));
+  const auto add = [](auto a, auto b) HWY_ATTR { return hn::Add(a, b); };
+  const auto least = [](auto a, auto b) HWY_ATTR { return hn::Min(a, b); };
+  const auto most = [](auto a, auto b) HWY_ATTR { return hn::Max(a, b); };
+  return hn::Min(hn::Max(joined(d, sum, add), joined(pair, low, least)), joined(pair, high, most));
 }
 
 HWY_INLINE HWY_ATTR void read_cells(const RowReads& reads, std::size_t begin, std::size_t end,

@@ -57,7 +57,6 @@ float depth_between(const Support& support, int x, int y) {
 
 void finish_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                   Plane<float>& depth_m) {
-  constexpr std::size_t kAhead = 16;  // cells: about as long as memory takes
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (i + kAhead < cells.size()) {
       const image::Pixel& next = cells[i + kAhead];

@@ -15,6 +15,9 @@
 
 namespace macula::kernels::ray {
 
+/// Cells that are sent for before one of them is merged: about as long as memory takes.
+inline constexpr std::size_t kAhead = 16;
+
 struct MergeJob {
   const View& view;
   const Support& support;

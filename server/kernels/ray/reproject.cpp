@@ -126,6 +126,18 @@ void Reprojector::try_again(Row& row) const {
   }
 }
 
+/// apply(then, now) for every plane there is of what is never filtered.
+template <class Apply>
+void Reprojector::for_each_unfiltered(const Apply& apply) const {
+  const auto where_wanted = [&](const auto& then, auto& now) {
+    if (!now.empty()) apply(then, now);
+  };
+  where_wanted(job_.then.info, now_.info);
+  where_wanted(job_.then.surface_id, now_.surface_id);
+  where_wanted(job_.then.normal, now_.normal);
+  where_wanted(job_.then.albedo, now_.albedo);
+}
+
 void Reprojector::write(Row& row) const {
   std::vector<PictureRow> rows{{job_.then.color, now_.color.row(row.y)}};
   if (now_.has_light()) {
@@ -138,18 +150,11 @@ void Reprojector::write(Row& row) const {
     const bool found = row.reads.known[x] != Known::Nothing;
     inverse_depth[x] = found ? row.inverse_depth[x] : Cache::kNothing;
   }
-  copy(row, job_.then.info, now_.info);
-  copy(row, job_.then.surface_id, now_.surface_id);
-  copy(row, job_.then.normal, now_.normal);
-  copy(row, job_.then.albedo, now_.albedo);
-}
-
-/// What is never filtered. Cells of which nothing is known take what is somewhere: it is not read.
-template <class T>
-void Reprojector::copy(const Row& row, const Plane<T>& then, Plane<T>& now) const {
-  if (now.empty()) return;
-  const std::span<T> to = now.row(row.y);
-  for (std::size_t x = 0; x < to.size(); ++x) to[x] = then.data()[row.reads.within[x]];
+  // Cells of which nothing is known take what is somewhere: it is not read.
+  for_each_unfiltered([&](const auto& then, auto& now) {
+    const auto to = now.row(row.y);
+    for (std::size_t x = 0; x < to.size(); ++x) to[x] = then.data()[row.reads.within[x]];
+  });
 }
 
 /// The printed forms, and pictures of one column or row.
@@ -171,12 +176,8 @@ void Reprojector::read_one_by_one(const Row& row) const {
   }
 }
 
-/// What is never filtered.
 void Reprojector::copy_info(int x, int y, std::size_t within) const {
-  now_.info(x, y) = job_.then.info.data()[within];
-  if (!now_.surface_id.empty()) now_.surface_id(x, y) = job_.then.surface_id.data()[within];
-  if (!now_.normal.empty()) now_.normal(x, y) = job_.then.normal.data()[within];
-  if (!now_.albedo.empty()) now_.albedo(x, y) = job_.then.albedo.data()[within];
+  for_each_unfiltered([&](const auto& then, auto& now) { now(x, y) = then.data()[within]; });
 }
 
 }  // namespace macula::kernels::ray

@@ -61,8 +61,8 @@ class Reprojector {
   void write(Row& row) const;
   void read_one_by_one(const Row& row) const;
   void copy_info(int x, int y, std::size_t within) const;
-  template <class T>
-  void copy(const Row& row, const Plane<T>& then, Plane<T>& now) const;
+  template <class Apply>
+  void for_each_unfiltered(const Apply& apply) const;
 
   const ReprojectJob& job_;
   Cache& now_;

@@ -193,7 +193,6 @@ void SamplingMask::resample(const Cache* remembered, const Plane<float>& scores,
   resample_forgotten(most, frame);
   const double left = most - static_cast<double>(counts_.forgotten);
   if (left > 0.0) resample_quads(scores, left, remembered, frame);
-  resampled_.clear();
   list([](Reason reason) { return reason == Reason::Resampled; }, resampled_, scheduler);
   counts_.resampled = resampled_.size();
 }
@@ -224,11 +223,12 @@ void SamplingMask::resample_forgotten(double most, std::uint64_t frame) {
   const auto forgotten = static_cast<double>(unknown_.size());
   const float below = forgotten > most ? static_cast<float>(most / forgotten) : 1.0F;
   std::vector<image::Pixel> unknown;
+  double resampled = 0.0;
   for (const image::Pixel& cell : unknown_) {
     const bool taken = sampling::BlueNoise::get().threshold(cell.x, cell.y, frame) < below;
-    if (taken && static_cast<double>(resampled_.size()) < most) {
+    if (taken && resampled < most) {
       reasons_(cell.x, cell.y) = Reason::Resampled;
-      resampled_.push_back(cell);
+      ++resampled;
     } else {
       unknown.push_back(cell);
     }

@@ -224,7 +224,6 @@ class Update {
 HWY_ATTR void update_all(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                          Plane<Rgb>& radiance) {
   Update update(job, cache, radiance);
-  constexpr std::size_t kAhead = 16;  // cells: about as long as memory takes
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (i + kAhead < cells.size()) update.fetch(cells[i + kAhead].x, cells[i + kAhead].y);
     update.cell(cells[i].x, cells[i].y);
