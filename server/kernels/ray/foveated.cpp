@@ -1,11 +1,13 @@
 #include "server/kernels/ray/foveated.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "server/kernels/parcels.h"
 #include "server/kernels/planes.h"
 #include "server/kernels/ray/cache.h"
+#include "server/kernels/ray/carry_over.h"
 #include "server/kernels/ray/fresh.h"
 #include "server/kernels/ray/merge.h"
 #include "server/kernels/ray/reproject.h"
@@ -22,7 +24,8 @@ namespace {
 using scheduling::Outcome;
 
 constexpr unsigned kRemembered = kSurfaceId | kNormal | kAlbedo;
-constexpr int kRowsPerTask = 8;
+/// Depths of the rows beside a task's own are found twice.
+constexpr int kRowsPerTask = 32;
 
 /// A scheduler whose tasks' CPU time is summed into one stage of the report.
 class Stage {
@@ -164,40 +167,51 @@ class ViewFrame {
   /// body(first, last) for all rows, a few at a time.
   template <class Body>
   Outcome in_rows(double& total_ms, const Body& body) {
-    const int height = view_.grid.height();
-    const int tasks = (height + kRowsPerTask - 1) / kRowsPerTask;
-    return Stage(scheduler_, total_ms).run(static_cast<std::size_t>(tasks), [&](std::size_t task) {
+    return Stage(scheduler_, total_ms).run(row_tasks(), [&](std::size_t task) {
       const int first = static_cast<int>(task) * kRowsPerTask;
-      body(first, std::min(first + kRowsPerTask, height));
+      body(first, std::min(first + kRowsPerTask, view_.grid.height()));
     });
   }
+  std::size_t row_tasks() const {
+    return static_cast<std::size_t>(view_.grid.height() + kRowsPerTask - 1) / kRowsPerTask;
+  }
 
-  /// Leaves in memory_.now, and in the frame, what is remembered as this view sees it.
+  /// Leaves in memory_.now, and in the frame, what is remembered as this view sees it, and what the
+  /// chosen cells brought.
   Outcome remember(Motion scene_motion) {
     const int width = view_.grid.width(), height = view_.grid.height();
     const bool same_view = memory_.grid == view_.grid && same_pose();
     motion_ = same_view ? scene_motion : Motion::Moving;
     remembers_ = memory_.grid.width() > 0;
-    Outcome outcome = Outcome::Completed;
-    if (!remembers_) {
-      prepare_cache(memory_.now, width, height, has_light_, record_.wanted);
-      std::ranges::fill(memory_.now.inverse_depth.pixels(), Cache::kNothing);
-    } else if (same_view) {
-      outcome = in_rows(report_.merge_ms,
-                        [&](int first, int last) { show_rows(memory_.now, first, last, out_); });
-    } else {
+    if (remembers_ && !same_view) {
       std::swap(memory_.now, memory_.then);
-      prepare_cache(memory_.now, width, height, has_light_, record_.wanted);
-      const ReprojectJob job{memory_.then, memory_.world_from_view, memory_.grid,  view_,
-                             support_,     config_.foveated,        request_.frame};
-      const Reprojector reprojector(job, memory_.now);
-      outcome = in_rows(report_.reproject_ms, [&](int first, int last) {
-        reprojector.rows(first, last);
-        show_rows(memory_.now, first, last, out_);
-      });
+    } else {
+      std::swap(memory_.now.inverse_depth, memory_.then.inverse_depth);
     }
+    prepare_cache(memory_.now, width, height, has_light_, record_.wanted);
+    if (!remembers_) {
+      memory_.then.inverse_depth.resize(width, height);
+      std::ranges::fill(memory_.then.inverse_depth.pixels(), Cache::kNothing);
+    }
+    const Outcome outcome = carry_over(remembers_ && !same_view);
     memory_.world_from_view = view_.world_from_view;
     memory_.grid = view_.grid;
+    return outcome;
+  }
+  Outcome carry_over(bool moved) {
+    const ReprojectJob job{memory_.then, memory_.world_from_view, memory_.grid,  view_,
+                           support_,     config_.foveated,        request_.frame};
+    std::optional<Reprojector> reprojector;
+    if (moved) reprojector.emplace(job, memory_.now);
+    seen_ = Plane<float>(support_.x.count(), support_.y.count(), -1.0F);
+    const MergeJob merge = merge_job();
+    const CarryOver carrying(merge, reprojector ? &*reprojector : nullptr,
+                             memory_.then.inverse_depth, memory_.now, out_, seen_);
+    std::vector<double> joining(row_tasks(), 0.0);
+    const Outcome outcome = in_rows(report_.reproject_ms, [&](int first, int last) {
+      joining[first / kRowsPerTask] = carrying.rows(first, last);
+    });
+    for (const double ms : joining) report_.reproject_ms -= ms, report_.cache_ms += ms;
     return outcome;
   }
   bool same_pose() const {
@@ -210,11 +224,10 @@ class ViewFrame {
     Plane<float> scores(support_.broken.width(), support_.broken.height(), 0.0F);
     if (remembers_) {
       scores = resampling_scores(
-          {view_, support_, fresh_, memory_.now, config_.foveated, motion_, glossy_past()});
+          {view_, support_, fresh_, memory_.now, seen_, config_.foveated, motion_, glossy_past()});
       weigh_by_rate(scores);
     }
-    mask_.resample(remembers_ ? &memory_.now : nullptr, scores, request_.frame, config_.foveated,
-                   scheduler_);
+    mask_.resample(memory_.now, scores, request_.frame, config_.foveated, scheduler_);
     report_.mask_ms += base::thread_cpu_ms() - begin;
     report_.resampled_cells += mask_.counts().resampled;
     return trace(mask_.resampled());
@@ -233,44 +246,38 @@ class ViewFrame {
     }
   }
 
+  MergeJob merge_job() const {
+    return {view_,         support_, mask_,         fresh_,        config_.foveated,
+            record_.clock, motion_,  glossy_past(), request_.frame};
+  }
   Outcome merge() {
-    const MergeJob job{view_,         support_, mask_,         fresh_,        config_.foveated,
-                       record_.clock, motion_,  glossy_past(), request_.frame};
-    Outcome outcome = in_batches(report_.cache_ms, [&](std::span<const image::Pixel> cells) {
+    const MergeJob job = merge_job();
+    Outcome outcome = in_batches(mask_.resampled(), report_.cache_ms, [&](auto cells) {
       update_cells(job, cells, memory_.now, out_.radiance);
     });
     if (outcome == Outcome::Completed) {
-      outcome = in_batches(report_.cache_ms, [&](std::span<const image::Pixel> cells) {
+      outcome = in_batches(mask_.resampled(), report_.cache_ms, [&](auto cells) {
         finish_cells(job, cells, memory_.now, out_.depth_m);
       });
     }
     return outcome == Outcome::Completed ? write(job) : outcome;
   }
-  /// body(cells) for all traced cells.
+  /// body(some of the cells) until all were.
   template <class Body>
-  Outcome in_batches(double& total_ms, const Body& body) {
-    for (const auto* cells : {&mask_.chosen(), &mask_.resampled()}) {
-      const Outcome outcome = Stage(scheduler_, total_ms)
-                                  .run(FreshSamples::batch_count(cells->size()),
-                                       [&](std::size_t batch) { body(batch_of(*cells, batch)); });
-      if (outcome == Outcome::Stopped) return outcome;
-    }
-    return Outcome::Completed;
+  Outcome in_batches(const std::vector<image::Pixel>& cells, double& total_ms, const Body& body) {
+    return Stage(scheduler_, total_ms)
+        .run(FreshSamples::batch_count(cells.size()),
+             [&](std::size_t batch) { body(batch_of(cells, batch)); });
   }
 
   Outcome write(const MergeJob& job) {
-    const std::vector<image::Pixel>& unknown = mask_.unknown();
-    report_.filled_cells += unknown.size();
-    Outcome outcome = Stage(scheduler_, report_.merge_ms)
-                          .run(FreshSamples::batch_count(unknown.size()), [&](std::size_t batch) {
-                            fill_cells(job, batch_of(unknown, batch), memory_.now, out_);
-                          });
+    report_.filled_cells += mask_.unknown().size();
+    Outcome outcome = in_batches(mask_.unknown(), report_.merge_ms,
+                                 [&](auto cells) { fill_cells(job, cells, memory_.now, out_); });
     if (outcome == Outcome::Completed && config_.foveated.post_filter == PostFilter::On) {
-      const std::vector<image::Pixel>& cells = mask_.resampled();
-      outcome = Stage(scheduler_, report_.post_ms)
-                    .run(FreshSamples::batch_count(cells.size()), [&](std::size_t batch) {
-                      post_filter_cells(job, batch_of(cells, batch), memory_.now, out_.radiance);
-                    });
+      outcome = in_batches(mask_.resampled(), report_.post_ms, [&](auto cells) {
+        post_filter_cells(job, cells, memory_.now, out_.radiance);
+      });
     }
     if (outcome == Outcome::Stopped) return outcome;
     return in_rows(report_.merge_ms,
@@ -295,6 +302,7 @@ class ViewFrame {
   FrameReport report_;
   Motion motion_ = Motion::Moving;
   bool remembers_ = false;
+  Plane<float> seen_;  ///< as in ResamplingJob
 };
 
 /// The history's record, empty where it is another kernel's or was made for other planes.

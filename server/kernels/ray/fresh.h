@@ -51,6 +51,14 @@ class FreshSamples {
     found.light = planes_.light.data()[at], found.reflectance = planes_.reflectance.data()[at];
     return found;
   }
+  /// Sends for what sample() and chroma() read.
+  void fetch(std::size_t at) const {
+    __builtin_prefetch(planes_.radiance.data() + at), __builtin_prefetch(chroma_.data() + at);
+    __builtin_prefetch(planes_.depth_m.data() + at);
+    if (planes_.light.empty()) return;
+    __builtin_prefetch(planes_.light.data() + at);
+    __builtin_prefetch(planes_.reflectance.data() + at);
+  }
   const reconstruction::Texel& chroma(std::size_t at) const { return chroma_.data()[at]; }
   float depth_m(std::size_t at) const { return planes_.depth_m.data()[at]; }
   const Vec3& normal(std::size_t at) const { return planes_.normal.data()[at]; }

@@ -55,6 +55,12 @@ float depth_between(const Support& support, int x, int y) {
 
 }  // namespace
 
+void finish_cell(const MergeJob& job, int x, int y, Cache& cache, Plane<float>& depth_m) {
+  const float depth = job.fresh.depth_m(job.fresh.at(x, y));
+  depth_m(x, y) = depth;
+  cache.inverse_depth(x, y) = inverse_of(depth);
+}
+
 void finish_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                   Plane<float>& depth_m) {
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -63,10 +69,7 @@ void finish_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cach
       __builtin_prefetch(&depth_m(next.x, next.y));
       __builtin_prefetch(&cache.inverse_depth(next.x, next.y));
     }
-    const auto [x, y] = cells[i];
-    const float depth = job.fresh.depth_m(job.fresh.at(x, y));
-    depth_m(x, y) = depth;
-    cache.inverse_depth(x, y) = inverse_of(depth);
+    finish_cell(job, cells[i].x, cells[i].y, cache, depth_m);
   }
 }
 
@@ -88,16 +91,13 @@ void post_filter_cells(const MergeJob& job, std::span<const image::Pixel> cells,
   }
 }
 
-void show_rows(const Cache& cache, int first, int last, ViewBuffers& out) {
-  const auto texels = [](const Plane<Texel>& plane, int y) {
-    return plane.empty() ? std::span<const Texel>{} : plane.row(y);
-  };
-  for (int y = first; y < last; ++y) {
-    reconstruction::show_row(cache.color.row(y), texels(cache.sampled, y), out.radiance.row(y));
-    const std::span<const float> remembered = cache.inverse_depth.row(y);
-    const std::span<float> depth = out.depth_m.row(y);
-    for (std::size_t x = 0; x < depth.size(); ++x) depth[x] = 1.0F / remembered[x];
-  }
+void show_row(const Cache& cache, int y, ViewBuffers& out) {
+  const std::span<const Texel> sampled =
+      cache.has_light() ? cache.sampled.row(y) : std::span<const Texel>{};
+  reconstruction::show_row(cache.color.row(y), sampled, out.radiance.row(y));
+  const std::span<const float> remembered = cache.inverse_depth.row(y);
+  const std::span<float> depth = out.depth_m.row(y);
+  for (std::size_t x = 0; x < depth.size(); ++x) depth[x] = 1.0F / remembered[x];
 }
 
 void copy_rows(const Cache& cache, int first, int last, ViewBuffers& out) {

@@ -3,6 +3,7 @@
 // independent of each other and of threads.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "server/kernels/kernel.h"
@@ -18,6 +19,20 @@ namespace macula::kernels::ray {
 /// Cells that are sent for before one of them is merged: about as long as memory takes.
 inline constexpr std::size_t kAhead = 16;
 
+/// What is remembered of a row of cells and of those above and below: 1/m, negative where nothing
+/// is. At the picture's border the row itself stands for what is missing.
+struct DepthRows {
+  const float* above;
+  const float* here;
+  const float* below;
+  int width;
+
+  static DepthRows of(const Plane<float>& plane, int y) {
+    const auto row = [&](int j) { return plane.row(std::clamp(j, 0, plane.height() - 1)).data(); };
+    return {row(y - 1), row(y), row(y + 1), plane.width()};
+  }
+};
+
 struct MergeJob {
   const View& view;
   const Support& support;
@@ -31,11 +46,16 @@ struct MergeJob {
   LimitTable color_limits{config.color_age}, light_limits{config.light_age};
 };
 
-/// Blends the fresh samples of `cells` into `cache`, and shows them in `radiance`. Depths in the
-/// cache stay the remembered ones until finish_cells(), because neighbours are held against them.
+/// Blends the fresh samples of these columns of row y into `cache`, and shows them in `radiance`;
+/// `remembered` are the depths around that row. Depths in the cache stay.
+void update_row(const MergeJob& job, int y, std::span<const int> columns,
+                const DepthRows& remembered, Cache& cache, Plane<Rgb>& radiance);
+/// The same for `cells` anywhere. Depths in the cache stay the remembered ones until
+/// finish_cells(), because neighbours are held against them.
 void update_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                   Plane<Rgb>& radiance);
-/// Gives the cache and the frame the new depths of `cells`.
+/// Gives the cache and the frame the new depth of a traced cell, or of `cells`.
+void finish_cell(const MergeJob& job, int x, int y, Cache& cache, Plane<float>& depth_m);
 void finish_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                   Plane<float>& depth_m);
 /// Fills cells that are neither traced nor remembered.
@@ -45,8 +65,8 @@ void fill_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache&
 void post_filter_cells(const MergeJob& job, std::span<const image::Pixel> cells, const Cache& cache,
                        Plane<Rgb>& radiance);
 
-/// What is remembered, as radiance and depth: rows [first, last).
-void show_rows(const Cache& cache, int first, int last, ViewBuffers& out);
+/// What is remembered of row y, as radiance and depth.
+void show_row(const Cache& cache, int y, ViewBuffers& out);
 /// The other planes that `out` has: rows [first, last).
 void copy_rows(const Cache& cache, int first, int last, ViewBuffers& out);
 

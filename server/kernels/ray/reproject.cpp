@@ -26,23 +26,21 @@ Reprojector::Reprojector(const ReprojectJob& job, Cache& now)
       warp_(job.view.world_from_view, job.view.grid, job.world_from_then, job.grid_then),
       taps_(job.then, job.view, job.config.filter, job.frame) {}
 
-void Reprojector::rows(int first, int last) const {
-  Row row;
+void Reprojector::find(int y, Row& row) const {
+  row.y = y;
   row.inverse_depth.resize(job_.view.grid.width());
-  for (row.y = first; row.y < last; ++row.y) {
-    job_.support.inverse_depth_row(row.y, row.inverse_depth);
-    warp_.row(row.y, row.inverse_depth, row.places);
-    if (!in_vectors()) {
-      read_one_by_one(row);
-      continue;
-    }
-    judge(row.places, row.reads);
-    list_open(row);
-    follow(row);
-    follow(row);
-    try_corners(row);
-    write(row);
+  job_.support.inverse_depth_row(y, row.inverse_depth);
+  warp_.row(y, row.inverse_depth, row.places);
+  if (!in_vectors()) {
+    find_one_by_one(row);
+    return;
   }
+  judge(row.places, row.reads);
+  list_open(row);
+  follow(row);
+  follow(row);
+  try_corners(row);
+  forget_unknown(row);
 }
 
 /// As printed a mesh shows what it is textured with, right or wrong.
@@ -138,18 +136,24 @@ void Reprojector::for_each_unfiltered(const Apply& apply) const {
   where_wanted(job_.then.albedo, now_.albedo);
 }
 
-void Reprojector::write(Row& row) const {
+void Reprojector::forget_unknown(Row& row) const {
+  for (const int x : row.open) {
+    if (row.reads.known[x] == Known::Nothing) row.inverse_depth[x] = Cache::kNothing;
+  }
+}
+
+void Reprojector::write(const Row& row) const {
+  std::ranges::copy(row.inverse_depth, now_.inverse_depth.row(row.y).begin());
+  if (!in_vectors()) {
+    read_one_by_one(row);
+    return;
+  }
   std::vector<PictureRow> rows{{job_.then.color, now_.color.row(row.y)}};
   if (now_.has_light()) {
     rows.push_back({job_.then.sampled, now_.sampled.row(row.y)});
     rows.push_back({job_.then.reflectance, now_.reflectance.row(row.y)});
   }
   reconstruction::read_row(row.reads, rows);
-  const std::span<float> inverse_depth = now_.inverse_depth.row(row.y);
-  for (std::size_t x = 0; x < inverse_depth.size(); ++x) {
-    const bool found = row.reads.known[x] != Known::Nothing;
-    inverse_depth[x] = found ? row.inverse_depth[x] : Cache::kNothing;
-  }
   // Cells of which nothing is known take what is somewhere: it is not read.
   for_each_unfiltered([&](const auto& then, auto& now) {
     const auto to = now.row(row.y);
@@ -158,22 +162,31 @@ void Reprojector::write(Row& row) const {
 }
 
 /// The printed forms, and pictures of one column or row.
+void Reprojector::find_one_by_one(Row& row) const {
+  const Plane<float>& depths = job_.then.inverse_depth;
+  for (int x = 0; x < job_.view.grid.width(); ++x) {
+    const bool inside =
+        row.places.inverse_depth[x] >= 0.0F && contains(depths, row.places.x[x], row.places.y[x]);
+    if (!inside || depths.data()[place_then(row, x)] < 0.0F) row.inverse_depth[x] = Cache::kNothing;
+  }
+}
+
 void Reprojector::read_one_by_one(const Row& row) const {
   for (int x = 0; x < job_.view.grid.width(); ++x) {
-    const float there_x = row.places.x[x], there_y = row.places.y[x];
-    const Plane<float>& depths = job_.then.inverse_depth;
-    now_.inverse_depth(x, row.y) = Cache::kNothing;
-    if (!(row.places.inverse_depth[x] >= 0.0F) || !contains(depths, there_x, there_y)) continue;
-    const int i = static_cast<int>(there_x), j = static_cast<int>(there_y);
-    if (depths(i, j) < 0.0F) continue;
-    now_.inverse_depth(x, row.y) = row.inverse_depth[x];
-    copy_info(x, row.y, static_cast<std::size_t>(j) * depths.width() + i);
-    const Taps taps = taps_.at(x, row.y, {there_x, there_y});
+    if (row.inverse_depth[x] < 0.0F) continue;
+    copy_info(x, row.y, place_then(row, x));
+    const Taps taps = taps_.at(x, row.y, {row.places.x[x], row.places.y[x]});
     now_.color(x, row.y) = filtered(taps, job_.then.color);
     if (!now_.has_light()) continue;
     now_.sampled(x, row.y) = filtered(taps, job_.then.sampled);
     now_.reflectance(x, row.y) = filtered(taps, job_.then.reflectance);
   }
+}
+
+/// Index of the cell that contains the place, which lies in the picture.
+std::size_t Reprojector::place_then(const Row& row, int x) const {
+  const int i = static_cast<int>(row.places.x[x]), j = static_cast<int>(row.places.y[x]);
+  return static_cast<std::size_t>(j) * job_.then.inverse_depth.width() + i;
 }
 
 void Reprojector::copy_info(int x, int y, std::size_t within) const {

@@ -32,15 +32,11 @@ class Reprojector {
   /// Refers to both; they must outlive it. `now` has the view's size and the planes of `then`.
   Reprojector(const ReprojectJob& job, Cache& now);
 
-  /// Fills rows [first, last) of the cache; inverse_depth is kNothing where nothing is remembered.
-  /// Rows may be filled by several threads at once.
-  void rows(int first, int last) const;
-
- private:
   /// A row on its way, and room for the cells of it that are looked for again.
   struct Row {
     int y = 0;
-    std::vector<float> inverse_depth;  ///< where every cell lies now
+    /// Where every cell lies now: 1/m, kNothing where nothing is remembered.
+    std::vector<float> inverse_depth;
     reconstruction::RowPlaces places;
     reconstruction::RowReads reads;
 
@@ -51,6 +47,13 @@ class Reprojector {
     reconstruction::RowReads tried_reads;
   };
 
+  /// Finds what is remembered of the cells of row y. Rows may be found and written by several
+  /// threads at once.
+  void find(int y, Row& row) const;
+  /// Fills that row of the cache.
+  void write(const Row& row) const;
+
+ private:
   bool in_vectors() const;
   void judge(const reconstruction::RowPlaces& places, reconstruction::RowReads& reads) const;
   void list_open(Row& row) const;
@@ -58,8 +61,10 @@ class Reprojector {
   float followed_depth(const Row& row, int x) const;
   void try_corners(Row& row) const;
   void try_again(Row& row) const;
-  void write(Row& row) const;
+  void forget_unknown(Row& row) const;
+  void find_one_by_one(Row& row) const;
   void read_one_by_one(const Row& row) const;
+  std::size_t place_then(const Row& row, int x) const;
   void copy_info(int x, int y, std::size_t within) const;
   template <class Apply>
   void for_each_unfiltered(const Apply& apply) const;

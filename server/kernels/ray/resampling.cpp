@@ -28,11 +28,7 @@ class Scores {
  private:
   int cell_x(int i) const { return job_.support.x.cells[i]; }
   int cell_y(int j) const { return job_.support.y.cells[j]; }
-  bool remembered(int i, int j) const { return job_.remembered.remembers(cell_x(i), cell_y(j)); }
   float luminance(const Rgb& radiance) const { return display_luminance(job_.view.tone, radiance); }
-  float remembered_luminance(int i, int j) const {
-    return luminance(job_.remembered.shown(cell_x(i), cell_y(j)));
-  }
 
   /// New against remembered luminance, its mean over 3 x 3 samples: a single sample differs by
   /// chance, a wrong memory does so in one direction.
@@ -40,9 +36,9 @@ class Scores {
     Plane<float> difference(columns_, rows_);
     for (int j = 0; j < rows_; ++j) {
       for (int i = 0; i < columns_; ++i) {
-        if (!remembered(i, j)) continue;
+        if (job_.seen(i, j) < 0.0F) continue;
         const FreshSample fresh = job_.fresh.sample(job_.fresh.at(cell_x(i), cell_y(j)));
-        difference(i, j) = luminance(fresh.radiance) - remembered_luminance(i, j);
+        difference(i, j) = luminance(fresh.radiance) - job_.seen(i, j);
       }
     }
     for (int j = 0; j < rows_; ++j) {
@@ -63,19 +59,17 @@ class Scores {
 
   /// As printed: the reprojected picture against its own direct neighbours.
   void score_neighbours() {
-    Plane<float> seen(columns_, rows_);
-    for (int j = 0; j < rows_; ++j) {
-      for (int i = 0; i < columns_; ++i) seen(i, j) = remembered_luminance(i, j);
-    }
     for (int j = 0; j < rows_; ++j) {
       for (int i = 0; i < columns_; ++i) {
-        if (i + 1 < columns_) compare(seen, i, j, i + 1, j);
-        if (j + 1 < rows_) compare(seen, i, j, i, j + 1);
+        if (i + 1 < columns_) compare(i, j, i + 1, j);
+        if (j + 1 < rows_) compare(i, j, i, j + 1);
       }
     }
   }
-  void compare(const Plane<float>& seen, int i, int j, int k, int l) {
-    const float score = std::abs(seen(i, j) - seen(k, l)) / job_.config.luminance_threshold;
+  void compare(int i, int j, int k, int l) {
+    const float here = job_.seen(i, j), there = job_.seen(k, l);
+    if (here < 0.0F || there < 0.0F) return;
+    const float score = std::abs(here - there) / job_.config.luminance_threshold;
     raise(i, j, score), raise(k, l, score);
   }
 

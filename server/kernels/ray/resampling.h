@@ -18,7 +18,9 @@ struct ResamplingJob {
   const View& view;
   const Support& support;
   const FreshSamples& fresh;  ///< the support cells' samples
-  const Cache& remembered;    ///< reprojected
+  const Cache& remembered;    ///< reprojected; support cells are up to date
+  /// Display luminance of what was remembered of the support cells; negative where nothing was.
+  const Plane<float>& seen;
   const FoveatedConfig& config;
   Motion motion = Motion::Moving;
   GlossyPast glossy{};

@@ -185,7 +185,7 @@ void SamplingMask::list(const Wanted& wanted, std::vector<image::Pixel>& cells,
 }
 
 /// Forgotten cells first, then quads by score.
-void SamplingMask::resample(const Cache* remembered, const Plane<float>& scores,
+void SamplingMask::resample(const Cache& remembered, const Plane<float>& scores,
                             std::uint64_t frame, const FoveatedConfig& config,
                             TileScheduler& scheduler) {
   list_forgotten(remembered, scheduler);
@@ -203,7 +203,7 @@ std::size_t SamplingMask::most_resampled(const FoveatedConfig& config) const {
   return static_cast<std::size_t>(share / (1.0 - share) * static_cast<double>(chosen_.size()));
 }
 
-void SamplingMask::list_forgotten(const Cache* remembered, TileScheduler& scheduler) {
+void SamplingMask::list_forgotten(const Cache& remembered, TileScheduler& scheduler) {
   const int width = reasons_.width(), height = reasons_.height();
   std::vector<std::vector<image::Pixel>> bands(band_count(height));
   scheduler.run(bands.size(), [&](std::size_t band) {
@@ -211,7 +211,7 @@ void SamplingMask::list_forgotten(const Cache* remembered, TileScheduler& schedu
     for (int y = strip.y; y < strip.y + strip.height; ++y) {
       for (int x = 0; x < width; ++x) {
         if (reasons_(x, y) != Reason::None) continue;
-        if (remembered == nullptr || !remembered->remembers(x, y)) bands[band].push_back({x, y});
+        if (!remembered.remembers(x, y)) bands[band].push_back({x, y});
       }
     }
   });
@@ -237,7 +237,7 @@ void SamplingMask::resample_forgotten(double most, std::uint64_t frame) {
 }
 
 /// Equal scores in an order that changes every frame.
-void SamplingMask::resample_quads(const Plane<float>& scores, double most, const Cache* remembered,
+void SamplingMask::resample_quads(const Plane<float>& scores, double most, const Cache& remembered,
                                   std::uint64_t frame) {
   struct Quad {
     float score;
@@ -266,11 +266,11 @@ void SamplingMask::resample_quads(const Plane<float>& scores, double most, const
 
 /// Cells of a quad that are remembered and not traced.
 std::vector<image::Pixel> SamplingMask::open_cells(int quad_x, int quad_y,
-                                                   const Cache* remembered) const {
+                                                   const Cache& remembered) const {
   std::vector<image::Pixel> open;
   for (int y = quad_rows_[quad_y]; y < quad_rows_[quad_y + 1]; ++y) {
     for (int x = quad_columns_[quad_x]; x < quad_columns_[quad_x + 1]; ++x) {
-      const bool known = remembered != nullptr && remembered->remembers(x, y);
+      const bool known = remembered.remembers(x, y);
       if (known && reasons_(x, y) == Reason::None) open.push_back({x, y});
     }
   }

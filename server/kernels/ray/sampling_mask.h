@@ -59,9 +59,9 @@ class SamplingMask {
   void choose(const Probability& probability, std::uint64_t frame, std::uint64_t seed,
               const FoveatedConfig& config, TileScheduler& scheduler);
   /// Adds cells nothing is remembered of and the quads with the highest scores > 0, all within the
-  /// budget. `remembered` may be null: nothing is. `scores` is of Support::broken's size and
+  /// budget.  `scores` is of Support::broken's size and
   /// already weighed by acuity.
-  void resample(const Cache* remembered, const Plane<float>& scores, std::uint64_t frame,
+  void resample(const Cache& remembered, const Plane<float>& scores, std::uint64_t frame,
                 const FoveatedConfig& config, TileScheduler& scheduler);
 
   /// How many cells resample() may add.
@@ -83,11 +83,11 @@ class SamplingMask {
                          std::uint64_t seed, MaskKind kind);
   template <class Wanted>
   void list(const Wanted& wanted, std::vector<image::Pixel>& cells, TileScheduler& scheduler) const;
-  void list_forgotten(const Cache* remembered, TileScheduler& scheduler);
+  void list_forgotten(const Cache& remembered, TileScheduler& scheduler);
   void resample_forgotten(double most, std::uint64_t frame);
-  void resample_quads(const Plane<float>& scores, double most, const Cache* remembered,
+  void resample_quads(const Plane<float>& scores, double most, const Cache& remembered,
                       std::uint64_t frame);
-  std::vector<image::Pixel> open_cells(int quad_x, int quad_y, const Cache* remembered) const;
+  std::vector<image::Pixel> open_cells(int quad_x, int quad_y, const Cache& remembered) const;
 
   const Support& support_;
   std::vector<int> quad_columns_, quad_rows_;  ///< first cells of the quads, and the end

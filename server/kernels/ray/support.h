@@ -33,6 +33,8 @@ struct SupportAxis {
   /// At least one sample; `edges` as in PixelGrid.
   SupportAxis(const std::vector<float>& edges, float spacing);
   int count() const { return static_cast<int>(cells.size()); }
+  /// The sample that a chosen cell is.
+  int sample(int cell) const { return cells[left[cell]] == cell ? left[cell] : left[cell] + 1; }
   /// Sample after `left`, the same where there is only one.
   int right(int cell) const { return std::min(left[cell] + 1, count() - 1); }
 };

@@ -44,21 +44,20 @@ struct DepthRange {
 };
 
 /// Of a cell and its eight neighbours.
-HWY_INLINE HWY_ATTR DepthRange depths_around(const Plane<float>& depths, int x, int y) {
+HWY_INLINE HWY_ATTR DepthRange depths_around(const DepthRows& depths, int x) {
   const Four d;
   DepthRange range;
-  if (x < 1 || y < 1 || x + 2 >= depths.width() || y + 1 >= depths.height()) {
-    for (int j = y - 1; j <= y + 1; ++j) {
-      for (int i = x - 1; i <= x + 1; ++i) {
-        if (depths.contains(i, j)) range.add(depths(i, j));
-      }
+  if (x < 1 || x + 2 >= depths.width) {
+    for (const float* row : {depths.above, depths.here, depths.below}) {
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, depths.width - 1); ++i)
+        range.add(row[i]);
     }
     return range;
   }
   const auto infinite = hn::Set(d, INFINITY);
   auto low = infinite, high = hn::Zero(d);
-  for (int j = y - 1; j <= y + 1; ++j) {
-    const auto row = hn::LoadU(d, &depths(x - 1, j));
+  for (const float* at : {depths.above, depths.here, depths.below}) {
+    const auto row = hn::LoadU(d, at + x - 1);
     low = hn::Min(low, hn::IfThenElse(hn::Lt(row, hn::Zero(d)), infinite, row));
     high = hn::Max(high, row);
   }
@@ -73,12 +72,12 @@ class Update {
   Update(const MergeJob& job, Cache& cache, Plane<Rgb>& radiance)
       : job_(job), cache_(cache), radiance_(radiance) {}
 
-  HWY_ATTR void cell(int x, int y) {
+  HWY_ATTR void cell(int x, int y, const DepthRows& depths) {
     CacheInfo& info = cache_.info(x, y);
     const Reason reason = job_.mask.reason(x, y);
     const std::size_t at = job_.fresh.at(x, y);
     const FreshSample fresh = job_.fresh.sample(at);
-    if (!cache_.remembers(x, y) || replaces(reason) || !same_surface(x, y, fresh)) {
+    if (depths.here[x] < 0.0F || replaces(reason) || !same_surface(x, depths, fresh)) {
       replace(x, y, fresh, info);
     } else {
       blend(x, y, reason, fresh, info);
@@ -108,13 +107,13 @@ class Update {
 
   /// Whether the new sample lies within the depths remembered of the cell and its neighbours: what
   /// an edge pixel shows changes with the jitter. The printed test holds it against its own alone.
-  HWY_ATTR bool same_surface(int x, int y, const FreshSample& sample) const {
+  HWY_ATTR bool same_surface(int x, const DepthRows& depths, const FreshSample& sample) const {
     const float fresh = 1.0F / sample.depth_m;
     DepthRange range;
     if (job_.config.fresh == FreshRule::Replace) {
-      range.add(cache_.inverse_depth(x, y));
+      range.add(depths.here[x]);
     } else {
-      range = depths_around(cache_.inverse_depth, x, y);
+      range = depths_around(depths, x);
     }
     const float slack = job_.config.merge_threshold;
     return fresh >= range.low - slack * range.low &&
@@ -226,7 +225,16 @@ HWY_ATTR void update_all(const MergeJob& job, std::span<const image::Pixel> cell
   Update update(job, cache, radiance);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (i + kAhead < cells.size()) update.fetch(cells[i + kAhead].x, cells[i + kAhead].y);
-    update.cell(cells[i].x, cells[i].y);
+    update.cell(cells[i].x, cells[i].y, DepthRows::of(cache.inverse_depth, cells[i].y));
+  }
+}
+
+HWY_ATTR void update_columns(const MergeJob& job, int y, std::span<const int> columns,
+                             const DepthRows& remembered, Cache& cache, Plane<Rgb>& radiance) {
+  Update update(job, cache, radiance);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i + kAhead < columns.size()) job.fresh.fetch(job.fresh.at(columns[i + kAhead], y));
+    update.cell(columns[i], y, remembered);
   }
 }
 
@@ -237,10 +245,16 @@ HWY_AFTER_NAMESPACE();
 namespace macula::kernels::ray {
 
 HWY_EXPORT(update_all);
+HWY_EXPORT(update_columns);
 
 void update_cells(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,
                   Plane<Rgb>& radiance) {
   HWY_DYNAMIC_DISPATCH(update_all)(job, cells, cache, radiance);
+}
+
+void update_row(const MergeJob& job, int y, std::span<const int> columns,
+                const DepthRows& remembered, Cache& cache, Plane<Rgb>& radiance) {
+  HWY_DYNAMIC_DISPATCH(update_columns)(job, y, columns, remembered, cache, radiance);
 }
 
 }  // namespace macula::kernels::ray

@@ -120,7 +120,7 @@ TEST(SamplingMask, ResamplingStaysWithinItsBudgetAndPrefersTheForgotten) {
   SamplingMask mask(support, grid.width(), grid.height());
   mask.choose(probability, 3, 1, config, scheduler);
   const Plane<float> everything(support.broken.width(), support.broken.height(), 2.0F);
-  mask.resample(&cache, everything, 3, config, scheduler);
+  mask.resample(cache, everything, 3, config, scheduler);
   const auto& counts = mask.counts();
   const double chosen = static_cast<double>(mask.chosen().size());
   const double share =
