@@ -108,10 +108,11 @@ HWY_INLINE HWY_ATTR void know(D d, const ReadJob& job, hn::Mask<D> same,
     std::fill_n(known, hn::Lanes(d), Known::Nothing);
     return;
   }
-  HWY_ALIGN std::int32_t agrees[kMostLanes], column[kMostLanes], line[kMostLanes];
-  hn::Store(hn::IfThenElseZero(found, hn::Set(di, 1)), di, agrees);
+  static_assert(sizeof(Known) == 1 && static_cast<int>(Known::Nothing) == 0);
+  const hn::Rebind<std::uint8_t, D> d8;
   const auto mark = [&](Known as) HWY_ATTR {
-    for (std::size_t k = 0; k < hn::Lanes(d); ++k) known[k] = agrees[k] != 0 ? as : Known::Nothing;
+    const auto codes = hn::IfThenElseZero(found, hn::Set(di, static_cast<std::int32_t>(as)));
+    hn::StoreU(hn::DemoteTo(d8, codes), d8, reinterpret_cast<std::uint8_t*>(known));
   };
   // One look at the cells around all places answers for nearly every vector.
   if (bicubic && knows_all(depths, least(x) - 1, least(y) - 1, most(x) + 3, most(y) + 3)) {
@@ -121,9 +122,11 @@ HWY_INLINE HWY_ATTR void know(D d, const ReadJob& job, hn::Mask<D> same,
   mark(Known::Bilinear);
   share_out(d, depths, i, reads);
   if (!bicubic) return;
+  HWY_ALIGN std::int32_t column[kMostLanes], line[kMostLanes];
   hn::Store(x, di, column), hn::Store(y, di, line);
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-    if (agrees[k] != 0 && knows_sixteen(depths, column[k], line[k])) known[k] = Known::Bicubic;
+    if (known[k] != Known::Nothing && knows_sixteen(depths, column[k], line[k]))
+      known[k] = Known::Bicubic;
   }
 }
 

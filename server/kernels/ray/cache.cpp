@@ -34,10 +34,15 @@ void EyePath::note(std::uint32_t clock, const DVec3& eye) {
   newest_ = clock;
 }
 
-const DVec3& EyePath::at(std::uint32_t clock) const {
+std::vector<Vec3> EyePath::ways(const Pose& world_from_view) const {
   MACULA_CHECK(!eyes_.empty());
-  const std::uint32_t age = std::min(newest_ - clock, kHeld - 1);
-  return eyes_[(newest_ - age) % kHeld];
+  const DQuat view_from_world = glm::conjugate(world_from_view.rotation);
+  std::vector<Vec3> ways;
+  for (std::uint32_t age = 0; age < kHeld; ++age) {
+    const DVec3& then = eyes_[(newest_ - age) % kHeld];
+    ways.emplace_back(view_from_world * (world_from_view.position - then));
+  }
+  return ways;
 }
 
 }  // namespace macula::kernels::ray

@@ -66,10 +66,10 @@ class EyePath {
  public:
   /// `clock` is the last one's or the next.
   void note(std::uint32_t clock, const DVec3& eye);
-  /// World; where the eye was then, or at the oldest time that is still known. Not before a note.
-  const DVec3& at(std::uint32_t clock) const;
-  /// Whether `a` is longer ago than `b`; neither is later than the last note.
-  bool is_older(std::uint32_t a, std::uint32_t b) const { return newest_ - a > newest_ - b; }
+  /// How far the eye has come since: meters, as `world_from_view` sees it, by the clocks that have
+  /// passed. What is longer ago than the last is as far as that. Not before a note.
+  std::vector<Vec3> ways(const Pose& world_from_view) const;
+  std::uint32_t newest() const { return newest_; }
 
  private:
   static constexpr std::uint32_t kHeld = 64;  ///< the mask's longest wait at p = .05 is 34 frames

@@ -3,82 +3,90 @@
 #include <algorithm>
 #include <chrono>
 
-#include "server/kernels/ray/resampling.h"
 #include "shared/units/time.h"
 
 namespace macula::kernels::ray {
 
 CarryOver::CarryOver(const MergeJob& merge, const Reprojector* moved,
                      const Plane<float>& depths_then, Cache& now, ViewBuffers& out,
-                     Plane<float>& seen)
-    : merge_(merge), moved_(moved), depths_then_(depths_then), now_(now), out_(out), seen_(seen) {}
+                     SupportLuminance& luminance)
+    : merge_(merge),
+      moved_(moved),
+      depths_then_(depths_then),
+      now_(now),
+      out_(out),
+      luminance_(luminance) {}
 
 /// Samples join a row once the depths of the next one are known, which may belong to another task.
-double CarryOver::rows(int first, int last) const {
+CarryOver::Brought CarryOver::rows(int first, int last) const {
   Window window;
-  double joining_ms = 0.0;
+  Brought brought;
   for (int y = std::max(first - 1, 0); y <= std::min(last, now_.color.height() - 1); ++y) {
     find(y, window);
-    if (y >= first && y < last) show(y, window);
-    if (y > first) joining_ms += join(y - 1, window);
+    if (y >= first && y < last) show(y, window.row);
+    std::swap(window.depths[y % 3], window.row.inverse_depth);
+    if (y > first) join(y - 1, window, brought);
   }
-  if (last == now_.color.height()) joining_ms += join(last - 1, window);
-  return joining_ms;
+  if (last == now_.color.height()) join(last - 1, window, brought);
+  return brought;
 }
 
 void CarryOver::find(int y, Window& window) const {
-  std::vector<float>& depths = window.depths[y % 3];
-  if (moved_ == nullptr) {
+  if (moved_ != nullptr) {
+    moved_->find(y, window.row);
+  } else {
     const std::span<const float> row = depths_then_.row(y);
-    depths.assign(row.begin(), row.end());
-    return;
+    window.row.inverse_depth.assign(row.begin(), row.end());
   }
-  moved_->find(y, window.row);
-  depths = window.row.inverse_depth;
 }
 
-void CarryOver::show(int y, const Window& window) const {
-  const std::vector<float>& depths = window.depths[y % 3];
+void CarryOver::show(int y, const Reprojector::Row& row) const {
   if (moved_ != nullptr) {
-    moved_->write(window.row);
+    moved_->write(row);
   } else {
-    std::ranges::copy(depths, now_.inverse_depth.row(y).begin());
+    std::ranges::copy(row.inverse_depth, now_.inverse_depth.row(y).begin());
   }
   show_row(now_, y, out_);
-  if (merge_.support.y.chosen[y] != 0) note_seen(y, depths);
+  if (merge_.support.y.chosen[y] != 0) note_luminance(y, row.inverse_depth);
 }
 
-void CarryOver::note_seen(int y, std::span<const float> remembered) const {
+void CarryOver::note_luminance(int y, std::span<const float> depths) const {
   const std::vector<int>& cells = merge_.support.x.cells;
-  const std::span<const Rgb> radiance = out_.radiance.row(y);
-  const std::span<float> seen = seen_.row(merge_.support.y.sample(y));
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (remembered[cells[i]] < 0.0F) continue;
-    seen[i] = display_luminance(merge_.view.tone, radiance[cells[i]]);
+  const int row = merge_.support.y.sample(y);
+  const image::Tone& tone = merge_.view.tone;
+  for (int i = 0; i < merge_.support.x.count(); ++i) {
+    const int x = cells[i];
+    const bool known = depths[x] >= 0.0F;
+    const Rgb& fresh = merge_.fresh.radiance(merge_.fresh.at(x, y));
+    luminance_.remembered(i, row) = known ? display_luminance(tone, out_.radiance(x, y)) : -1.0F;
+    luminance_.fresh(i, row) = known ? display_luminance(tone, fresh) : 0.0F;
   }
 }
 
-double CarryOver::join(int y, Window& window) const {
+void CarryOver::join(int y, Window& window, Brought& brought) const {
   const auto begin = std::chrono::steady_clock::now();
-  list_chosen(y, window.columns);
   const int last = now_.color.height() - 1;
   const auto depths = [&](int j) { return window.depths[std::clamp(j, 0, last) % 3].data(); };
-  update_row(merge_, y, window.columns,
+  list_cells(y, window.depths[y % 3], window, brought);
+  update_row(merge_, y, window.chosen,
              {depths(y - 1), depths(y), depths(y + 1), now_.color.width()}, now_, out_.radiance);
-  for (const int x : window.columns) finish_cell(merge_, x, y, now_, out_.depth_m);
-  return units::to_ms(std::chrono::steady_clock::now() - begin);
+  for (const int x : window.chosen) finish_cell(merge_, x, y, now_, out_.depth_m);
+  brought.joining_ms += units::to_ms(std::chrono::steady_clock::now() - begin);
 }
 
-/// Written without a branch: which cells are traced is chance.
-void CarryOver::list_chosen(int y, std::vector<int>& columns) const {
+/// The chosen without a branch: which cells are is chance.
+void CarryOver::list_cells(int y, std::span<const float> depths, Window& window,
+                           Brought& brought) const {
   const std::span<const Reason> reasons = merge_.mask.reasons().row(y);
-  columns.resize(reasons.size() + 1);
-  std::size_t count = 0;
+  window.chosen.resize(reasons.size() + 1);
+  std::size_t chosen = 0;
   for (std::size_t x = 0; x < reasons.size(); ++x) {
-    columns[count] = static_cast<int>(x);
-    count += reasons[x] != Reason::None ? 1 : 0;
+    window.chosen[chosen] = static_cast<int>(x);
+    chosen += reasons[x] != Reason::None ? 1 : 0;
+    if (depths[x] < 0.0F && reasons[x] == Reason::None)
+      brought.forgotten.push_back({static_cast<int>(x), y});
   }
-  columns.resize(count);
+  window.chosen.resize(chosen);
 }
 
 }  // namespace macula::kernels::ray

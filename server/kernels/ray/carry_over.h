@@ -10,41 +10,48 @@
 #include "server/kernels/ray/cache.h"
 #include "server/kernels/ray/merge.h"
 #include "server/kernels/ray/reproject.h"
+#include "server/kernels/ray/resampling.h"
 
 namespace macula::kernels::ray {
 
 class CarryOver {
  public:
   /// Refers to all of them. `moved` brings the memory to a view that differs; null where `now`
-  /// already is this view's, but for its depths, which are `depths_then`. `seen` as in
-  /// ResamplingJob, all negative.
+  /// already is this view's, but for its depths, which are `depths_then`. The
+  /// planes of `luminance` have the support's size.
   CarryOver(const MergeJob& merge, const Reprojector* moved, const Plane<float>& depths_then,
-            Cache& now, ViewBuffers& out, Plane<float>& seen);
+            Cache& now, ViewBuffers& out, SupportLuminance& luminance);
 
+  /// What came of some rows.
+  struct Brought {
+    std::vector<image::Pixel>
+        forgotten;            ///< cells that are neither chosen nor remembered, in order
+    double joining_ms = 0.0;  ///< how long samples took to join
+  };
   /// Rows [first, last) of the cache and the frame. Any rows may be brought by several threads at
-  /// once. Returns how long samples took to join, ms.
-  double rows(int first, int last) const;
+  /// once.
+  Brought rows(int first, int last) const;
 
  private:
   /// Depths of three rows, each at its number modulo 3.
   struct Window {
     Reprojector::Row row;
     std::array<std::vector<float>, 3> depths;
-    std::vector<int> columns;
+    std::vector<int> chosen;
   };
 
   void find(int y, Window& window) const;
-  void show(int y, const Window& window) const;
-  void note_seen(int y, std::span<const float> remembered) const;
-  double join(int y, Window& window) const;
-  void list_chosen(int y, std::vector<int>& columns) const;
+  void show(int y, const Reprojector::Row& row) const;
+  void note_luminance(int y, std::span<const float> depths) const;
+  void join(int y, Window& window, Brought& brought) const;
+  void list_cells(int y, std::span<const float> depths, Window& window, Brought& brought) const;
 
   const MergeJob& merge_;
   const Reprojector* moved_;
   const Plane<float>& depths_then_;
   Cache& now_;
   ViewBuffers& out_;
-  Plane<float>& seen_;
+  SupportLuminance& luminance_;
 };
 
 }  // namespace macula::kernels::ray

@@ -151,10 +151,7 @@ class ViewFrame {
   }
   FrameReport render_batch(std::span<const image::Pixel> cells, int row) {
     const FrameReport part = render_cells(context_, cells, row, fresh_.planes());
-    for (const auto& [x, y] : cells) {
-      const std::size_t at = fresh_.at(x, y);
-      fresh_.chroma().data()[at] = fresh_.sample(at).chroma();
-    }
+    fresh_.add_chroma(row, cells.size());
     return part;
   }
   static constexpr std::size_t kBatch = FreshSamples::kBatch;
@@ -203,15 +200,19 @@ class ViewFrame {
                            support_,     config_.foveated,        request_.frame};
     std::optional<Reprojector> reprojector;
     if (moved) reprojector.emplace(job, memory_.now);
-    seen_ = Plane<float>(support_.x.count(), support_.y.count(), -1.0F);
+    luminance_.remembered.resize(support_.x.count(), support_.y.count());
+    luminance_.fresh.resize(support_.x.count(), support_.y.count());
     const MergeJob merge = merge_job();
     const CarryOver carrying(merge, reprojector ? &*reprojector : nullptr,
-                             memory_.then.inverse_depth, memory_.now, out_, seen_);
-    std::vector<double> joining(row_tasks(), 0.0);
+                             memory_.then.inverse_depth, memory_.now, out_, luminance_);
+    std::vector<CarryOver::Brought> brought(row_tasks());
     const Outcome outcome = in_rows(report_.reproject_ms, [&](int first, int last) {
-      joining[first / kRowsPerTask] = carrying.rows(first, last);
+      brought[first / kRowsPerTask] = carrying.rows(first, last);
     });
-    for (const double ms : joining) report_.reproject_ms -= ms, report_.cache_ms += ms;
+    for (const CarryOver::Brought& rows : brought) {
+      report_.reproject_ms -= rows.joining_ms, report_.cache_ms += rows.joining_ms;
+      forgotten_.insert(forgotten_.end(), rows.forgotten.begin(), rows.forgotten.end());
+    }
     return outcome;
   }
   bool same_pose() const {
@@ -223,18 +224,20 @@ class ViewFrame {
     const double begin = base::thread_cpu_ms();
     Plane<float> scores(support_.broken.width(), support_.broken.height(), 0.0F);
     if (remembers_) {
-      scores = resampling_scores(
-          {view_, support_, fresh_, memory_.now, seen_, config_.foveated, motion_, glossy_past()});
+      scores = resampling_scores({view_, support_, fresh_, memory_.now, luminance_,
+                                  config_.foveated, motion_, glossy_past()});
       weigh_by_rate(scores);
     }
-    mask_.resample(memory_.now, scores, request_.frame, config_.foveated, scheduler_);
+    mask_.resample(std::move(forgotten_), memory_.now, scores, request_.frame, config_.foveated,
+                   scheduler_);
     report_.mask_ms += base::thread_cpu_ms() - begin;
     report_.resampled_cells += mask_.counts().resampled;
     return trace(mask_.resampled());
   }
   GlossyPast glossy_past() const {
     if (!turns_.any() || motion_ == Motion::Still) return {};
-    return {&turns_, &memory_.eyes, config_.foveated.turn_threshold};
+    return {&turns_, memory_.eyes.ways(view_.world_from_view), memory_.eyes.newest(),
+            config_.foveated.turn_threshold};
   }
   /// What is urgent is the more so the better the eye sees there.
   void weigh_by_rate(Plane<float>& scores) const {
@@ -302,7 +305,8 @@ class ViewFrame {
   FrameReport report_;
   Motion motion_ = Motion::Moving;
   bool remembers_ = false;
-  Plane<float> seen_;  ///< as in ResamplingJob
+  std::vector<image::Pixel> forgotten_;
+  SupportLuminance luminance_;
 };
 
 /// The history's record, empty where it is another kernel's or was made for other planes.

@@ -26,6 +26,11 @@ void FreshSamples::prepare(int width, int height, unsigned wanted, std::size_t c
   rows_ = 0;
 }
 
+void FreshSamples::add_chroma(int row, std::size_t cells) {
+  const std::size_t first = static_cast<std::size_t>(row) * kBatch;
+  for (std::size_t at = first; at < first + cells; ++at) chroma_.data()[at] = sample(at).chroma();
+}
+
 int FreshSamples::place(std::span<const image::Pixel> cells) {
   const int first = rows_;
   auto next = static_cast<std::uint32_t>(static_cast<std::size_t>(first) * kBatch);

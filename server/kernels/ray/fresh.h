@@ -39,6 +39,9 @@ class FreshSamples {
   /// Gives the cells their places. The row of their first batch; the others follow.
   int place(std::span<const image::Pixel> cells);
 
+  /// Fills chroma() of a batch whose samples are there.
+  void add_chroma(int row, std::size_t cells);
+
   /// By row of the batch and place in it: cell k of a batch is at (k, row).
   ViewBuffers& planes() { return planes_; }
   image::Plane<reconstruction::Texel>& chroma() { return chroma_; }
@@ -60,6 +63,7 @@ class FreshSamples {
     __builtin_prefetch(planes_.reflectance.data() + at);
   }
   const reconstruction::Texel& chroma(std::size_t at) const { return chroma_.data()[at]; }
+  const Rgb& radiance(std::size_t at) const { return planes_.radiance.data()[at]; }
   float depth_m(std::size_t at) const { return planes_.depth_m.data()[at]; }
   const Vec3& normal(std::size_t at) const { return planes_.normal.data()[at]; }
   const Rgb& albedo(std::size_t at) const { return planes_.albedo.data()[at]; }

@@ -27,17 +27,16 @@ GlossyTurn::GlossyTurn(const SceneFrame& scene, const Config& config)
   if (any) alpha_ = std::move(alpha);
 }
 
+/// The sine is that between now and the way: nothing cancels where the eye hardly moved.
 float GlossyTurn::turn(const View& view, const image::Pixel& cell, float depth_m,
-                       std::uint32_t surface_id, const DVec3& then) const {
+                       std::uint32_t surface_id, const Vec3& way) const {
   if (surface_id == 0 || !std::isfinite(depth_m)) return 0.0F;
   const float alpha = alpha_[surfaces_.material(surface_id - 1)];
   if (alpha == 0.0F) return 0.0F;
-  const DVec3 from_now = view.world_from_view.rotation *
-                         (DVec3(view.grid.ray(cell.x, cell.y)) * static_cast<double>(depth_m));
-  const DVec3 from_then = from_now + (view.world_from_view.position - then);
-  const double sine = glm::length(glm::cross(from_now, from_then));
-  const double angle = std::atan2(sine, glm::dot(from_now, from_then));
-  return static_cast<float>(angle) / alpha;
+  // Over the depth, so that no square of a far point's is infinite.
+  const Vec3 ray = view.grid.ray(cell.x, cell.y), across = way * inverse_of(depth_m);
+  const float sine = glm::length(glm::cross(ray, across));
+  return std::atan2(sine, glm::dot(ray, ray + across)) / alpha;
 }
 
 }  // namespace macula::kernels::ray

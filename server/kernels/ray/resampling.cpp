@@ -28,7 +28,6 @@ class Scores {
  private:
   int cell_x(int i) const { return job_.support.x.cells[i]; }
   int cell_y(int j) const { return job_.support.y.cells[j]; }
-  float luminance(const Rgb& radiance) const { return display_luminance(job_.view.tone, radiance); }
 
   /// New against remembered luminance, its mean over 3 x 3 samples: a single sample differs by
   /// chance, a wrong memory does so in one direction.
@@ -36,9 +35,8 @@ class Scores {
     Plane<float> difference(columns_, rows_);
     for (int j = 0; j < rows_; ++j) {
       for (int i = 0; i < columns_; ++i) {
-        if (job_.seen(i, j) < 0.0F) continue;
-        const FreshSample fresh = job_.fresh.sample(job_.fresh.at(cell_x(i), cell_y(j)));
-        difference(i, j) = luminance(fresh.radiance) - job_.seen(i, j);
+        const float remembered = job_.luminance.remembered(i, j);
+        if (remembered >= 0.0F) difference(i, j) = job_.luminance.fresh(i, j) - remembered;
       }
     }
     for (int j = 0; j < rows_; ++j) {
@@ -67,7 +65,8 @@ class Scores {
     }
   }
   void compare(int i, int j, int k, int l) {
-    const float here = job_.seen(i, j), there = job_.seen(k, l);
+    const Plane<float>& remembered = job_.luminance.remembered;
+    const float here = remembered(i, j), there = remembered(k, l);
     if (here < 0.0F || there < 0.0F) return;
     const float score = std::abs(here - there) / job_.config.luminance_threshold;
     raise(i, j, score), raise(k, l, score);
@@ -118,7 +117,7 @@ class Scores {
       const int row = std::min(y + k - x, info.height() - 1);
       if (!job_.remembered.remembers(k, row)) continue;
       const std::uint32_t touched = info(k, row).touched;
-      if (!oldest || job_.glossy.eyes->is_older(touched, *oldest)) oldest = touched;
+      if (!oldest || job_.glossy.is_older(touched, *oldest)) oldest = touched;
     }
     return oldest ? job_.glossy.turned(job_.view, {x, y}, job_.fresh, *oldest) : 0.0F;
   }

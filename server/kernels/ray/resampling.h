@@ -14,13 +14,18 @@ namespace macula::kernels::ray {
 /// Whether this frame's view or scene differs from the last one's.
 enum class Motion { Still, Moving };
 
+/// Display luminance of the support cells.
+struct SupportLuminance {
+  Plane<float> remembered;  ///< negative where nothing was
+  Plane<float> fresh;       ///< 0 there
+};
+
 struct ResamplingJob {
   const View& view;
   const Support& support;
   const FreshSamples& fresh;  ///< the support cells' samples
   const Cache& remembered;    ///< reprojected; support cells are up to date
-  /// Display luminance of what was remembered of the support cells; negative where nothing was.
-  const Plane<float>& seen;
+  const SupportLuminance& luminance;
   const FoveatedConfig& config;
   Motion motion = Motion::Moving;
   GlossyPast glossy{};

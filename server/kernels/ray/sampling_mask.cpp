@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <tuple>
+#include <utility>
 
 #include "server/sampling/blue_noise.h"
 #include "server/sampling/sample.h"
@@ -185,10 +186,11 @@ void SamplingMask::list(const Wanted& wanted, std::vector<image::Pixel>& cells,
 }
 
 /// Forgotten cells first, then quads by score.
-void SamplingMask::resample(const Cache& remembered, const Plane<float>& scores,
-                            std::uint64_t frame, const FoveatedConfig& config,
-                            TileScheduler& scheduler) {
-  list_forgotten(remembered, scheduler);
+void SamplingMask::resample(std::vector<image::Pixel> forgotten, const Cache& remembered,
+                            const Plane<float>& scores, std::uint64_t frame,
+                            const FoveatedConfig& config, TileScheduler& scheduler) {
+  unknown_ = std::move(forgotten);
+  counts_.forgotten = unknown_.size();
   const auto most = static_cast<double>(most_resampled(config));
   resample_forgotten(most, frame);
   const double left = most - static_cast<double>(counts_.forgotten);
@@ -201,22 +203,6 @@ std::size_t SamplingMask::most_resampled(const FoveatedConfig& config) const {
   const double share = std::clamp(static_cast<double>(config.most_resampled), 0.0, 1.0);
   if (share >= 1.0) return reasons_.size();
   return static_cast<std::size_t>(share / (1.0 - share) * static_cast<double>(chosen_.size()));
-}
-
-void SamplingMask::list_forgotten(const Cache& remembered, TileScheduler& scheduler) {
-  const int width = reasons_.width(), height = reasons_.height();
-  std::vector<std::vector<image::Pixel>> bands(band_count(height));
-  scheduler.run(bands.size(), [&](std::size_t band) {
-    const image::Rect strip = band_of(band, width, height);
-    for (int y = strip.y; y < strip.y + strip.height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        if (reasons_(x, y) != Reason::None) continue;
-        if (!remembered.remembers(x, y)) bands[band].push_back({x, y});
-      }
-    }
-  });
-  append(bands, unknown_);
-  counts_.forgotten = unknown_.size();
 }
 
 void SamplingMask::resample_forgotten(double most, std::uint64_t frame) {

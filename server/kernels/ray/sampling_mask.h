@@ -58,11 +58,12 @@ class SamplingMask {
   /// Sets the support cells and those that chance chooses.
   void choose(const Probability& probability, std::uint64_t frame, std::uint64_t seed,
               const FoveatedConfig& config, TileScheduler& scheduler);
-  /// Adds cells nothing is remembered of and the quads with the highest scores > 0, all within the
-  /// budget.  `scores` is of Support::broken's size and
+  /// Adds the `forgotten`, row by row, which are neither chosen nor remembered, and the quads with
+  /// the highest scores > 0, all within the budget.  `scores` is of Support::broken's size and
   /// already weighed by acuity.
-  void resample(const Cache& remembered, const Plane<float>& scores, std::uint64_t frame,
-                const FoveatedConfig& config, TileScheduler& scheduler);
+  void resample(std::vector<image::Pixel> forgotten, const Cache& remembered,
+                const Plane<float>& scores, std::uint64_t frame, const FoveatedConfig& config,
+                TileScheduler& scheduler);
 
   /// How many cells resample() may add.
   std::size_t most_resampled(const FoveatedConfig& config) const;
@@ -83,7 +84,6 @@ class SamplingMask {
                          std::uint64_t seed, MaskKind kind);
   template <class Wanted>
   void list(const Wanted& wanted, std::vector<image::Pixel>& cells, TileScheduler& scheduler) const;
-  void list_forgotten(const Cache& remembered, TileScheduler& scheduler);
   void resample_forgotten(double most, std::uint64_t frame);
   void resample_quads(const Plane<float>& scores, double most, const Cache& remembered,
                       std::uint64_t frame);

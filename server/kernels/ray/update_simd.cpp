@@ -170,9 +170,32 @@ class Update {
     cache_.reflectance(x, y) = Texel(meets);
   }
 
+  /// Chroma of the traced ones among a cell and those above and below it.
+  struct Column {
+    HWY_ALIGN float sum[4];
+    HWY_ALIGN float squares[4];
+    int x = -1, y = -1;
+  };
+  /// Where every cell is traced, the next one asks for two of these three columns again.
+  HWY_ATTR const Column& column_around(int x, int y, int top, int bottom) {
+    Column& column = columns_[x % 3];
+    if (column.x == x && column.y == y) return column;
+    const Four d;
+    auto sum = hn::Zero(d), squares = hn::Zero(d);
+    for (int j = top; j <= bottom; ++j) {
+      // Chosen without a branch: which neighbours are traced is chance.
+      const auto counts = hn::Set(d, job_.mask.traced(x, j) ? 1.0F : 0.0F);
+      const auto value = hn::Mul(counts, hn::Load(d, &job_.fresh.chroma(job_.fresh.at(x, j)).r));
+      sum = hn::Add(sum, value), squares = hn::MulAdd(value, value, squares);
+    }
+    hn::Store(sum, d, column.sum), hn::Store(squares, d, column.squares);
+    column.x = x, column.y = y;
+    return column;
+  }
+
   /// Holds what is remembered within the spread of the new samples around, where there are three or
   /// more. Nothing is wrong with a memory of what did not move.
-  HWY_ATTR void clip(int x, int y, Reason reason, Rgb& remembered) const {
+  HWY_ATTR void clip(int x, int y, Reason reason, Rgb& remembered) {
     if (job_.config.clipping == Clipping::Off || job_.motion == Motion::Still) return;
     const Four d;
     const int left = std::max(x - 1, 0), right = std::min(x + 1, radiance_.width() - 1);
@@ -183,13 +206,10 @@ class Update {
     }
     if (count < 3) return;
     auto sum = hn::Zero(d), squares = hn::Zero(d);
-    for (int j = top; j <= bottom; ++j) {
-      for (int i = left; i <= right; ++i) {
-        // Chosen without a branch: which neighbours are traced is chance.
-        const auto counts = hn::Set(d, job_.mask.traced(i, j) ? 1.0F : 0.0F);
-        const auto value = hn::Mul(counts, hn::Load(d, &job_.fresh.chroma(job_.fresh.at(i, j)).r));
-        sum = hn::Add(sum, value), squares = hn::MulAdd(value, value, squares);
-      }
+    for (int i = left; i <= right; ++i) {
+      const Column& column = column_around(i, y, top, bottom);
+      sum = hn::Add(sum, hn::Load(d, column.sum));
+      squares = hn::Add(squares, hn::Load(d, column.squares));
     }
     const auto share = hn::Set(d, 1.0F / static_cast<float>(count));
     const auto mean = hn::Mul(sum, share);
@@ -218,6 +238,7 @@ class Update {
   const MergeJob& job_;
   Cache& cache_;
   Plane<Rgb>& radiance_;
+  Column columns_[3];
 };
 
 HWY_ATTR void update_all(const MergeJob& job, std::span<const image::Pixel> cells, Cache& cache,

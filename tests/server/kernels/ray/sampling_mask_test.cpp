@@ -114,13 +114,17 @@ TEST(SamplingMask, ResamplingStaysWithinItsBudgetAndPrefersTheForgotten) {
   Cache cache;
   prepare_cache(cache, grid.width(), grid.height(), false, 0);
   for (float& depth : cache.inverse_depth.pixels()) depth = 1.0F;
-  for (int x = 0; x < 20; ++x) cache.inverse_depth(x, 5) = Cache::kNothing;
   TileScheduler scheduler(2);
   FoveatedConfig config;
   SamplingMask mask(support, grid.width(), grid.height());
   mask.choose(probability, 3, 1, config, scheduler);
   const Plane<float> everything(support.broken.width(), support.broken.height(), 2.0F);
-  mask.resample(cache, everything, 3, config, scheduler);
+  std::vector<image::Pixel> forgotten;
+  for (int x = 0; x < 20; ++x) {
+    cache.inverse_depth(x, 5) = Cache::kNothing;
+    if (!mask.traced(x, 5)) forgotten.push_back({x, 5});
+  }
+  mask.resample(forgotten, cache, everything, 3, config, scheduler);
   const auto& counts = mask.counts();
   const double chosen = static_cast<double>(mask.chosen().size());
   const double share =
