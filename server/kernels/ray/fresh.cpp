@@ -14,8 +14,8 @@ reconstruction::Texel FreshSample::chroma() const {
 
 void FreshSamples::prepare(int width, int height, unsigned wanted, std::size_t cells) {
   constexpr int kWidth = static_cast<int>(kBatch);
-  // Two lists leave two batches that are not full.
-  const int needed = static_cast<int>(cells / kBatch) + 2;
+  // Two lists leave two batches that are not full; vectors reach beyond the last sample.
+  const int needed = static_cast<int>(cells / kBatch) + 3;
   if (chroma_.height() < needed || wanted != wanted_) {
     const int rows = std::max(needed + needed / 4, chroma_.height());
     prepare_planes(planes_, wanted, kWidth, rows);

@@ -63,7 +63,10 @@ class FreshSamples {
     __builtin_prefetch(planes_.reflectance.data() + at);
   }
   const reconstruction::Texel& chroma(std::size_t at) const { return chroma_.data()[at]; }
+  /// Of these three one more number may be read.
   const Rgb& radiance(std::size_t at) const { return planes_.radiance.data()[at]; }
+  const Rgb& light(std::size_t at) const { return planes_.light.data()[at]; }
+  const Rgb& reflectance(std::size_t at) const { return planes_.reflectance.data()[at]; }
   float depth_m(std::size_t at) const { return planes_.depth_m.data()[at]; }
   const Vec3& normal(std::size_t at) const { return planes_.normal.data()[at]; }
   const Rgb& albedo(std::size_t at) const { return planes_.albedo.data()[at]; }

@@ -10,28 +10,34 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
 
-#ifndef MACULA_RAY_UPDATE_CHROMA
-#define MACULA_RAY_UPDATE_CHROMA
-namespace macula::kernels::ray {
-
-inline Rgb rgb_from_ycocg(const Rgb& c) {
-  const float base = c.x - c.z;
-  return {base + c.y, c.x + c.z, base - c.y};
-}
-
-}  // namespace macula::kernels::ray
-#endif
-
 HWY_BEFORE_NAMESPACE();
 namespace macula::kernels::ray::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Four = hn::FixedTag<float, 4>;
 
-/// What each colour channel brings to YCoCg.
+using FourVec = hn::Vec<Four>;
+
+/// What each number of a colour brings to YCoCg, and back.
 HWY_ALIGN constexpr float kFromRed[4] = {0.25F, 0.5F, -0.25F, 0.0F};
 HWY_ALIGN constexpr float kFromGreen[4] = {0.5F, 0.0F, 0.5F, 0.0F};
 HWY_ALIGN constexpr float kFromBlue[4] = {0.25F, -0.5F, -0.25F, 0.0F};
+HWY_ALIGN constexpr float kFromY[4] = {1.0F, 1.0F, 1.0F, 0.0F};
+HWY_ALIGN constexpr float kFromCo[4] = {1.0F, 0.0F, -1.0F, 0.0F};
+HWY_ALIGN constexpr float kFromCg[4] = {-1.0F, 1.0F, -1.0F, 0.0F};
+
+HWY_INLINE HWY_ATTR FourVec ycocg(FourVec rgb) {
+  const Four d;
+  return hn::MulAdd(hn::Broadcast<0>(rgb), hn::Load(d, kFromRed),
+                    hn::MulAdd(hn::Broadcast<1>(rgb), hn::Load(d, kFromGreen),
+                               hn::Mul(hn::Broadcast<2>(rgb), hn::Load(d, kFromBlue))));
+}
+HWY_INLINE HWY_ATTR FourVec rgb(FourVec ycocg) {
+  const Four d;
+  return hn::MulAdd(hn::Broadcast<0>(ycocg), hn::Load(d, kFromY),
+                    hn::MulAdd(hn::Broadcast<1>(ycocg), hn::Load(d, kFromCo),
+                               hn::Mul(hn::Broadcast<2>(ycocg), hn::Load(d, kFromCg))));
+}
 
 /// Least and greatest inverse depth among known cells.
 struct DepthRange {
@@ -66,6 +72,36 @@ HWY_INLINE HWY_ATTR DepthRange depths_around(const DepthRows& depths, int x) {
   return {std::min({lows[0], lows[1], lows[2]}), std::max({highs[0], highs[1], highs[2]})};
 }
 
+/// Three numbers and 0; reads one more.
+HWY_INLINE HWY_ATTR FourVec three(const Rgb& c) {
+  const Four d;
+  return hn::IfThenElseZero(hn::FirstN(d, 3), hn::LoadU(d, &c.x));
+}
+HWY_INLINE HWY_ATTR FourVec load(const Texel& texel) {
+  return hn::Load(Four(), &texel.r);
+}
+HWY_INLINE HWY_ATTR void store(FourVec v, Texel& texel) {
+  hn::Store(v, Four(), &texel.r);
+}
+/// As the memory holds radiance; see held().
+HWY_INLINE HWY_ATTR FourVec root(FourVec radiance) {
+  return hn::Sqrt(hn::Max(radiance, hn::Zero(Four())));
+}
+HWY_INLINE HWY_ATTR FourVec squared(FourVec v) {
+  return hn::Mul(v, v);
+}
+/// The share `t` of the way from a to b.
+HWY_INLINE HWY_ATTR FourVec between(FourVec a, FourVec b, float t) {
+  return hn::MulAdd(hn::Set(Four(), t), hn::Sub(b, a), a);
+}
+
+/// A FreshSample.
+struct Fresh {
+  const Rgb& radiance;
+  float depth_m;
+  FourVec color, sampled, reflectance;
+};
+
 /// One cell's part of the cache update.
 class Update {
  public:
@@ -76,8 +112,8 @@ class Update {
     CacheInfo& info = cache_.info(x, y);
     const Reason reason = job_.mask.reason(x, y);
     const std::size_t at = job_.fresh.at(x, y);
-    const FreshSample fresh = job_.fresh.sample(at);
-    if (depths.here[x] < 0.0F || replaces(reason) || !same_surface(x, depths, fresh)) {
+    const Fresh fresh = sample(at);
+    if (depths.here[x] < 0.0F || replaces(reason) || !same_surface(x, depths, fresh.depth_m)) {
       replace(x, y, fresh, info);
     } else {
       blend(x, y, reason, fresh, info);
@@ -100,6 +136,17 @@ class Update {
   }
 
  private:
+  HWY_ATTR Fresh sample(std::size_t at) const {
+    const Four d;
+    const Rgb& radiance = job_.fresh.radiance(at);
+    Fresh fresh{radiance, job_.fresh.depth_m(at), three(radiance), hn::Zero(d), hn::Zero(d)};
+    if (!cache_.has_light()) return fresh;
+    fresh.reflectance = three(job_.fresh.reflectance(at));
+    fresh.sampled = hn::Mul(three(job_.fresh.light(at)), fresh.reflectance);
+    fresh.color = hn::Max(hn::Sub(fresh.color, fresh.sampled), hn::Zero(d));
+    return fresh;
+  }
+
   bool replaces(Reason reason) const {
     return job_.config.fresh == FreshRule::Replace &&
            (reason == Reason::Fovea || reason == Reason::Resampled);
@@ -107,8 +154,8 @@ class Update {
 
   /// Whether the new sample lies within the depths remembered of the cell and its neighbours: what
   /// an edge pixel shows changes with the jitter. The printed test holds it against its own alone.
-  HWY_ATTR bool same_surface(int x, const DepthRows& depths, const FreshSample& sample) const {
-    const float fresh = 1.0F / sample.depth_m;
+  HWY_ATTR bool same_surface(int x, const DepthRows& depths, float depth_m) const {
+    const float fresh = 1.0F / depth_m;
     DepthRange range;
     if (job_.config.fresh == FreshRule::Replace) {
       range.add(depths.here[x]);
@@ -120,24 +167,23 @@ class Update {
            fresh <= range.high + slack * std::max(range.high, fresh);
   }
 
-  void replace(int x, int y, const FreshSample& fresh, CacheInfo& info) {
-    cache_.color(x, y) = held(fresh.color());
+  HWY_ATTR void replace(int x, int y, const Fresh& fresh, CacheInfo& info) {
+    store(root(fresh.color), cache_.color(x, y));
     info.samples = info.light_samples = 1.0F;
     if (!cache_.has_light()) return;
-    cache_.sampled(x, y) = held(fresh.sampled());
-    cache_.reflectance(x, y) = Texel(fresh.reflectance);
+    store(root(fresh.sampled), cache_.sampled(x, y));
+    store(fresh.reflectance, cache_.reflectance(x, y));
   }
 
-  HWY_ATTR void blend(int x, int y, Reason reason, const FreshSample& fresh, CacheInfo& info) {
+  HWY_ATTR void blend(int x, int y, Reason reason, const Fresh& fresh, CacheInfo& info) {
     const std::uint32_t age = job_.clock - info.touched;
     const float turned = share_turned(x, y, info);
     const bool full_rate = reason == Reason::Fovea && age > 0;
     const float limit = full_rate ? job_.config.fovea_weight : job_.color_limits.at(age);
     const float alpha =
         weight(info.samples, aged(limit, turned, job_.config.color_age), job_.config.weight);
-    Rgb color = radiance_of(cache_.color(x, y));
-    clip(x, y, reason, color);
-    cache_.color(x, y) = held(color + alpha * (fresh.color() - color));
+    const FourVec color = clipped(x, y, reason, squared(load(cache_.color(x, y))));
+    store(root(between(color, fresh.color, alpha)), cache_.color(x, y));
     info.samples = samples_after(info.samples, alpha);
     if (!cache_.has_light()) return;
     const float light_alpha =
@@ -159,15 +205,18 @@ class Update {
 
   /// Light per unit of reflectance goes by its own weight, what it meets by the colour's. A mean of
   /// light counts what met more reflectance for more.
-  void mix_light(int x, int y, const FreshSample& fresh, float alpha, float light_alpha) {
-    const Rgb before = cache_.reflectance(x, y).rgb();
-    const Rgb met = before + light_alpha * (fresh.reflectance - before);
-    const Rgb meets = before + alpha * (fresh.reflectance - before);
-    const Rgb kept = radiance_of(cache_.sampled(x, y));
-    Rgb brought = kept + light_alpha * (fresh.sampled() - kept);
-    for (int c = 0; c < 3; ++c) brought[c] *= met[c] > 0.0F ? meets[c] / met[c] : 1.0F;
-    cache_.sampled(x, y) = held(brought);
-    cache_.reflectance(x, y) = Texel(meets);
+  HWY_ATTR void mix_light(int x, int y, const Fresh& fresh, float alpha, float light_alpha) {
+    const Four d;
+    const FourVec before = load(cache_.reflectance(x, y)), one = hn::Set(d, 1.0F);
+    const FourVec met = between(before, fresh.reflectance, light_alpha);
+    const FourVec meets = between(before, fresh.reflectance, alpha);
+    const FourVec kept = squared(load(cache_.sampled(x, y)));
+    const FourVec brought = between(kept, fresh.sampled, light_alpha);
+    const auto reflects = hn::Gt(met, hn::Zero(d));
+    const FourVec share = hn::Div(hn::IfThenElse(reflects, meets, one),  //
+                                  hn::IfThenElse(reflects, met, one));
+    store(root(hn::Mul(brought, share)), cache_.sampled(x, y));
+    store(meets, cache_.reflectance(x, y));
   }
 
   /// Chroma of the traced ones among a cell and those above and below it.
@@ -195,8 +244,8 @@ class Update {
 
   /// Holds what is remembered within the spread of the new samples around, where there are three or
   /// more. Nothing is wrong with a memory of what did not move.
-  HWY_ATTR void clip(int x, int y, Reason reason, Rgb& remembered) {
-    if (job_.config.clipping == Clipping::Off || job_.motion == Motion::Still) return;
+  HWY_ATTR FourVec clipped(int x, int y, Reason reason, FourVec remembered) {
+    if (job_.config.clipping == Clipping::Off || job_.motion == Motion::Still) return remembered;
     const Four d;
     const int left = std::max(x - 1, 0), right = std::min(x + 1, radiance_.width() - 1);
     const int top = std::max(y - 1, 0), bottom = std::min(y + 1, radiance_.height() - 1);
@@ -204,7 +253,7 @@ class Update {
     for (int j = top; j <= bottom; ++j) {
       for (int i = left; i <= right; ++i) count += job_.mask.traced(i, j) ? 1 : 0;
     }
-    if (count < 3) return;
+    if (count < 3) return remembered;
     auto sum = hn::Zero(d), squares = hn::Zero(d);
     for (int i = left; i <= right; ++i) {
       const Column& column = column_around(i, y, top, bottom);
@@ -216,23 +265,21 @@ class Update {
     const auto variance = hn::Max(hn::NegMulAdd(mean, mean, hn::Mul(squares, share)), hn::Zero(d));
     const float gamma = reason == Reason::Fovea ? job_.config.clip_fovea : job_.config.clip_outside;
     const auto reach = hn::Mul(hn::Set(d, gamma), hn::Sqrt(variance));
-    // Numbers are broadcast one by one: a vector load of what scalars just stored would wait.
-    const auto value =
-        hn::MulAdd(hn::Set(d, remembered.x), hn::Load(d, kFromRed),
-                   hn::MulAdd(hn::Set(d, remembered.y), hn::Load(d, kFromGreen),
-                              hn::Mul(hn::Set(d, remembered.z), hn::Load(d, kFromBlue))));
-    HWY_ALIGN float within[4];
-    hn::Store(hn::Min(hn::Max(value, hn::Sub(mean, reach)), hn::Add(mean, reach)), d, within);
-    remembered = rgb_from_ycocg({within[0], within[1], within[2]});
+    const auto value = ycocg(remembered);
+    return rgb(hn::Min(hn::Max(value, hn::Sub(mean, reach)), hn::Add(mean, reach)));
   }
 
   /// A cell without a past shows its sample to the bit.
-  void show(int x, int y, const FreshSample& fresh, const CacheInfo& info) {
+  HWY_ATTR void show(int x, int y, const Fresh& fresh, const CacheInfo& info) {
     if (info.samples == 1.0F && info.light_samples == 1.0F) {
       radiance_(x, y) = fresh.radiance;
       return;
     }
-    radiance_(x, y) = cache_.shown(x, y);
+    FourVec shown = squared(load(cache_.color(x, y)));
+    if (cache_.has_light()) shown = hn::Add(shown, squared(load(cache_.sampled(x, y))));
+    HWY_ALIGN float channels[4];
+    hn::Store(shown, Four(), channels);
+    radiance_(x, y) = {channels[0], channels[1], channels[2]};
   }
 
   const MergeJob& job_;
