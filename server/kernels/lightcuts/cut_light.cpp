@@ -22,7 +22,7 @@ class Asker {
       : scene_(scene),
         tile_(tile),
         rounds_(static_cast<std::uint32_t>(plan.most_nodes)),
-        questions_(scene, plan.gloss),
+        questions_(scene, plan.gloss, plan.lamp_area_m2),
         rays_(scene, work),
         slots_(slots) {}
 

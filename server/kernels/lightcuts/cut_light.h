@@ -30,8 +30,9 @@ struct CutPlan {
   const Plane<float>* map = nullptr;  ///< taken with probability 1 - map; with `low`
   const LowPicture* low = nullptr;    ///< none: walks only
   /// Yes: glossy points have rays of their own (gloss.h); lights that these meet do without the
-  /// points' lobes.
+  /// points' lobes, or without a part of them.
   Gloss gloss = Gloss::No;
+  float lamp_area_m2 = 0.0F;  ///< of a lamp's triangle, as lamp_area() has it; with gloss
 };
 
 struct CutWork {

@@ -61,6 +61,7 @@ class Frame {
     const LightHistory* before =
         last != nullptr && last->views.size() == request_.views.size() ? last : nullptr;
     gloss_ = config_.gloss == Gloss::Yes && has_gloss(scene_, config_.ray) ? Gloss::Yes : Gloss::No;
+    if (gloss_ == Gloss::Yes) lamp_area_m2_ = lamp_area(scene_);
     trace(before);
     plan();
     if (last != nullptr && last->views.size() != request_.views.size()) last = nullptr;
@@ -131,8 +132,12 @@ class Frame {
   }
   CutPlan cuts(std::size_t v) const {
     const bool draws = perceived() && !low_.empty();
-    return {plan_.cut_nodes[v], perceived() ? config_.most_nodes : config_.ray.area_light_samples,
-            perceived() ? &plan_.maps[v].map : nullptr, draws ? &low_[v] : nullptr, gloss_};
+    return {plan_.cut_nodes[v],
+            perceived() ? config_.most_nodes : config_.ray.area_light_samples,
+            perceived() ? &plan_.maps[v].map : nullptr,
+            draws ? &low_[v] : nullptr,
+            gloss_,
+            lamp_area_m2_};
   }
   /// How far the denoiser smooths.
   void look(std::size_t v) {
@@ -356,6 +361,7 @@ class Frame {
   std::vector<ViewSurfaces> surfaces_;
   std::vector<Plane<Reservoir>> spare_reservoirs_;
   Gloss gloss_ = Gloss::No;
+  float lamp_area_m2_ = 0.0F;  ///< with gloss
   LightPlan plan_;
   std::vector<LowPicture> low_;
   Plane<float> eccentricity_;              ///< of the view at work, radians

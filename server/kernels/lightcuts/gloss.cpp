@@ -34,9 +34,14 @@ ray::Config lit_sparsely(const ray::Config& config) {
 /// The rays of one tile, a batch after the other.
 class GlossRays {
  public:
-  GlossRays(const SceneFrame& scene, const ray::Config& config, const ray::LitPoints& points,
-            ray::LightingWork& work, std::span<Rgb> slots)
-      : scene_(scene), config_(lit_sparsely(config)), points_(points), work_(work), slots_(slots) {
+  GlossRays(const SceneFrame& scene, const ray::Config& config, const SurfaceTile& tile,
+            const CutPlan& plan, ray::LightingWork& work, std::span<Rgb> slots)
+      : scene_(scene),
+        config_(lit_sparsely(config)),
+        points_(tile.points),
+        lamp_area_m2_(plan.lamp_area_m2),
+        work_(work),
+        slots_(slots) {
     met_.keeps_whole = scene.plan().has(scene::Step::Environment);
   }
 
@@ -75,7 +80,6 @@ class GlossRays {
     const int i = rays_.push(points_.ray_origin[point], to_light, 0.0F, kInfinity, rule);
     Sent& sent = sent_[static_cast<std::size_t>(i)];
     sent.point = point, sent.weight = weight;
-    sent.sees_lamps = is_mirror(points_.reflectors.alpha.at[point]);
     sent.key.value = math::hash_combine(math::hash_combine(key.value, kMetDimension), round);
   }
 
@@ -94,7 +98,7 @@ class GlossRays {
       group_.shade(scene_, config_);
       for (std::size_t k = 0; k < rays.size(); ++k) {
         own(rays[k], met_.count + k);
-        if (sent_[rays[k]].sees_lamps) lit_[met_.count + k] = group_.emission(k, scene_);
+        lit_[met_.count + k] = share_of(rays[k]) * group_.emission(k, scene_);
       }
       met_.append(group_);
     }
@@ -106,9 +110,14 @@ class GlossRays {
     request.to_eye = -ray;
     own(static_cast<std::uint16_t>(i), met_.count);
     const ray::ShadedPoint shaded = ray::shade_point(request, scene_, config_);
-    const Sent& sent = sent_[static_cast<std::size_t>(i)];
-    if (sent.sees_lamps) lit_[met_.count] = shaded.emission;
-    met_.push(request.surface, shaded.reflector, sent.key);
+    lit_[met_.count] = share_of(static_cast<std::uint16_t>(i)) * shaded.emission;
+    met_.push(request.surface, shaded.reflector, sent_[static_cast<std::size_t>(i)].key);
+  }
+  /// Of what shines where the ray arrives.
+  float share_of(std::uint16_t ray) const {
+    const float t = hits_.t[ray];
+    return share_of_rays(points_.reflectors, sent_[ray].point, rays_.direction(ray), t * t,
+                         lamp_area_m2_);
   }
   void own(std::uint16_t ray, std::size_t place) {
     owner_[place] = ray, lit_[place] = Rgb{0.0F};
@@ -127,13 +136,13 @@ class GlossRays {
   struct Sent {
     std::uint32_t point = 0;
     Rgb weight{0.0F};
-    bool sees_lamps = false;  ///< emissive triangles: no cut has them
     sampling::SampleKey key;  ///< of the point it meets
   };
 
   const SceneFrame& scene_;
   const ray::Config config_;
   const ray::LitPoints& points_;
+  float lamp_area_m2_;
   ray::LightingWork& work_;
   std::span<Rgb> slots_;
   visibility::RayStream rays_;
@@ -152,6 +161,13 @@ bool has_gloss(const SceneFrame& scene, const ray::Config& config) {
   for (scene::Index i = 0; i < materials.size(); ++i)
     if (is_glossy(materials.lobe_width(i, config.materials))) return true;
   return false;
+}
+
+float lamp_area(const SceneFrame& scene) {
+  const auto lamps = scene.lights().emissive();
+  double sum_m2 = 0.0;
+  for (const lights::EmissiveTriangle& lamp : lamps) sum_m2 += static_cast<double>(lamp.area_m2);
+  return lamps.empty() ? 0.0F : static_cast<float>(sum_m2 / static_cast<double>(lamps.size()));
 }
 
 int gloss_rays(const Config& config, int nodes) {
@@ -184,7 +200,7 @@ void add_gloss(const SceneFrame& scene, const Config& config, const SurfaceTile&
                const CutPlan& plan, ray::LightingWork& work, std::span<Rgb> slots) {
   std::unique_ptr<GlossRays> rays;  // most tiles show nothing glossy
   for_each_glossy(config, tile, plan, [&](std::uint32_t point, int count) {
-    if (!rays) rays = std::make_unique<GlossRays>(scene, config.ray, tile.points, work, slots);
+    if (!rays) rays = std::make_unique<GlossRays>(scene, config.ray, tile, plan, work, slots);
     rays->send(point, count);
   });
   if (rays) rays->follow();

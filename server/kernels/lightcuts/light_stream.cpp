@@ -34,9 +34,10 @@ void LightQuestions::answer(std::span<Answer> answers) {
   shading::reflect(reflectors_, arrivals_.arrival.to_light, arrivals_.arrival.irradiance, count_,
                    reflected_);
   for (std::size_t i = 0; i < count_; ++i) {
-    if (leaves_out_lobe(i)) {
-      reflected_.set(i, reflect_diffusely(reflectors_, i, arrivals_.arrival.to_light[i],
-                                          arrivals_.arrival.irradiance[i]));
+    if (const float lobe = share_of_lobe(i); lobe < 1.0F) {
+      const Rgb diffuse = reflect_diffusely(reflectors_, i, arrivals_.arrival.to_light[i],
+                                            arrivals_.arrival.irradiance[i]);
+      reflected_.set(i, diffuse + lobe * (reflected_[i] - diffuse));
     }
     answers[i].reflected = reflected_[i];
     answers[i].end = visibility::offset_ray_origin(arrivals_.position[i], arrivals_.normal[i], 0.0F,
@@ -45,12 +46,15 @@ void LightQuestions::answer(std::span<Answer> answers) {
   count_ = 0;
 }
 
-/// Virtual lights stand for what glossy points see; mirrors see emissive triangles, too.
-bool LightQuestions::leaves_out_lobe(std::size_t i) const {
-  const float alpha = reflectors_.alpha.at[i];
-  if (gloss_ == Gloss::No || !is_glossy(alpha)) return false;
-  if (draws_.light.at[i] >= scene_.placed_lights().first_virtual()) return true;
-  return is_mirror(alpha) && arrivals_.normal[i] != Vec3{0.0F};
+/// Virtual lights stand for what glossy points see, whose rays also meet emissive triangles.
+float LightQuestions::share_of_lobe(std::size_t i) const {
+  if (gloss_ == Gloss::No || !is_glossy(reflectors_.alpha.at[i])) return 1.0F;
+  const lights::PlacedLights& lights = scene_.placed_lights();
+  if (draws_.light.at[i] >= lights.first_virtual()) return 0.0F;
+  if (arrivals_.normal[i] == Vec3{0.0F}) return 1.0F;  // a lamp without extent
+  const Vec3 between = arrivals_.position[i] - position_[i];
+  return 1.0F - share_of_rays(reflectors_, i, arrivals_.arrival.to_light[i],
+                              glm::dot(between, between), lamp_area_m2_);
 }
 
 void ShadowRays::push(const ShadowRay& ray, const Delivery& delivery, std::span<Rgb> slots) {

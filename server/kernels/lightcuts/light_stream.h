@@ -29,9 +29,11 @@ struct Answer {
 /// Asks up to a batch at a time.
 class LightQuestions {
  public:
-  /// Gloss::Yes: lights that rays of glossy points meet do without these points' lobes.
-  explicit LightQuestions(const SceneFrame& scene, Gloss gloss = Gloss::No)
-      : scene_(scene), gloss_(gloss) {}
+  /// Gloss::Yes: lights that rays of glossy points meet do without these points' lobes, or without
+  /// the part that the rays bring (share_of_rays).
+  explicit LightQuestions(const SceneFrame& scene, Gloss gloss = Gloss::No,
+                          float lamp_area_m2 = 0.0F)
+      : scene_(scene), gloss_(gloss), lamp_area_m2_(lamp_area_m2) {}
 
   std::size_t size() const { return count_; }
   bool full() const { return count_ == sampling::kBatch; }
@@ -40,10 +42,11 @@ class LightQuestions {
   void answer(std::span<Answer> answers);
 
  private:
-  bool leaves_out_lobe(std::size_t i) const;
+  float share_of_lobe(std::size_t i) const;
 
   const SceneFrame& scene_;
   Gloss gloss_;
+  float lamp_area_m2_;
   std::size_t count_ = 0;
   lights::LightDraws draws_{};
   sampling::Vec2Batch u_{};

@@ -31,6 +31,14 @@ struct LobeSample {
 /// lies below either normal. Only for alpha > 0.
 std::optional<LobeSample> sample_lobe(const shading::ReflectorBatch& reflectors, std::size_t i,
                                       const Vec2& u);
+/// Density of sample_lobe() in 1/sr.
+float lobe_density(const shading::ReflectorBatch& reflectors, std::size_t i, const Vec3& to_light);
+/// Which part of what a lamp's triangle shines into reflector i's lobe its rays bring; the rest is
+/// the cuts'. Any function of the direction and the distance alone leaves the mean as it is
+/// (multiple importance sampling, power heuristic): it only has to know which of both finds such
+/// a lamp more easily. `lamp_area_m2`: the scene's (lamp_area()).
+float share_of_rays(const shading::ReflectorBatch& reflectors, std::size_t i, const Vec3& to_light,
+                    float distance2_m2, float lamp_area_m2);
 /// What the diffuse part under reflector i's lobe alone reflects: as shading::reflect less the
 /// lobe.
 Rgb reflect_diffusely(const shading::ReflectorBatch& reflectors, std::size_t i,

@@ -51,7 +51,7 @@ class TileReservoirs {
         last_(last),
         view_(view),
         work_(work),
-        questions_(scene, plan.gloss),
+        questions_(scene, plan.gloss, plan.lamp_area_m2),
         rays_(scene, work.lighting) {}
 
   void run(Plane<Reservoir>& reservoirs, std::span<Rgb> slots) {

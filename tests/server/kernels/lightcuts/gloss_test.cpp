@@ -283,6 +283,45 @@ TEST(Lobe, TheMeanWeightOfItsDirectionsIsItsAlbedo) {
   }
 }
 
+// What a direction's weight is taken over: f cos = weight x density.
+TEST(Lobe, ItsDensityIsWhatWeightsOfItsDirectionsAreOver) {
+  for (const float alpha : {0.03F, 0.12F, 0.25F}) {
+    const shading::Bsdf bsdf{Rgb{0.0F}, Rgb{0.04F, 0.3F, 0.9F}, 1.0F, alpha};
+    const Vec3 to_eye = glm::normalize(Vec3{0.4F, 0.1F, 0.8F});
+    const auto batch = one_reflector(bsdf, to_eye);
+    const shading::Reflector lobe(bsdf, shading::make_shading_frame({0, 0, 1}, {0, 0, 1}, to_eye));
+    lights::test::Random random(11);
+    for (int k = 0; k < 200; ++k) {
+      const Vec2 u{static_cast<float>(random.next()), static_cast<float>(random.next())};
+      const auto sample = sample_lobe(batch, 0, u);
+      if (!sample) continue;
+      const Rgb wanted = lobe.evaluate(sample->to_light);
+      const Rgb got = lobe_density(batch, 0, sample->to_light) * sample->weight;
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(got[c], wanted[c], 2e-3F * wanted[c] + 1e-6F);
+    }
+  }
+}
+
+TEST(Lobe, ItsRaysBringLampsNearbyAndCutsThoseAfar) {
+  const Vec3 to_eye{0.0F, 0.0F, 1.0F}, aside = glm::normalize(Vec3{0.9F, 0.0F, 0.4F});
+  const auto share = [&](float alpha, const Vec3& to_light, float meters, float area_m2) {
+    const shading::Bsdf bsdf{Rgb{0.2F}, Rgb{0.04F}, 1.0F, alpha};
+    return share_of_rays(one_reflector(bsdf, to_eye), 0, to_light, meters * meters, area_m2);
+  };
+  constexpr float kSmall_m2 = 1e-4F;
+  EXPECT_GT(share(0.12F, to_eye, 0.1F, kSmall_m2), 0.99F);
+  EXPECT_LT(share(0.12F, to_eye, 20.0F, kSmall_m2), 0.01F);
+  EXPECT_LT(share(0.12F, aside, 1.0F, kSmall_m2), 0.01F) << "beside the lobe";
+  EXPECT_GT(share(0.12F, to_eye, 20.0F, 10.0F), 0.99F) << "a large lamp";
+  EXPECT_EQ(share(0.01F, aside, 20.0F, kSmall_m2), 1.0F) << "mirrors leave cuts nothing";
+  float before = 1.0F;
+  for (float meters = 0.0F; meters < 8.0F; meters += 0.25F) {
+    const float now = share(0.2F, to_eye, meters, kSmall_m2);
+    EXPECT_TRUE(0.0F <= now && now <= before) << meters;
+    before = now;
+  }
+}
+
 TEST(Lobe, WhatIsLeftWithoutItIsTheWholeLessABlackOnes) {
   const Vec3 to_eye = glm::normalize(Vec3{0.4F, 0.1F, 0.8F});
   const shading::Bsdf whole{Rgb{0.6F, 0.4F, 0.2F}, Rgb{0.04F}, 1.0F, 0.1F};
