@@ -147,7 +147,10 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   command.add_flag("--quick", options->quick,
                    "360x425, --gazes 0, one frame (of pairs: four) after 4, one pass of 64 nodes");
   add_threads(command, options->threads);
-  command.add_option("--pictures", options->pictures, "Maps and pictures of every method")
+  command
+      .add_option("--pictures", options->pictures,
+                  "Maps and pictures of every method, and labelled sheets: errors.png, maps.png,\n"
+                  "stages.png and, of --alphas, alphas.png")
       ->option_text("FOLDER");
   add_json(command, options->json);
   command.footer(

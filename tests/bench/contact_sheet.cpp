@@ -10,9 +10,9 @@
 #include "server/scene/load.h"
 #include "shared/base/resident.h"
 #include "shared/image/draw.h"
-#include "shared/image/lettering.h"
 #include "shared/image/png.h"
 #include "shared/image/tone.h"
+#include "tests/bench/figure_sheet.h"
 #include "tests/bench/report.h"
 #include "tests/bench/still_job.h"
 #include "tests/bench/still_planes.h"
@@ -84,19 +84,6 @@ StillOptions still_options(const ContactSheetOptions& options, const std::string
   return still;
 }
 
-/// The picture over a line with the scene's name.
-Plane<Rgb8> captioned(const Plane<Rgb8>& picture, const std::string& name) {
-  constexpr int kDotPx = 2, kMarginPx = 5;
-  constexpr Rgb8 kInk{235, 235, 235};
-  const int line = image::text_height_px(kDotPx) + 2 * kMarginPx;
-  Plane<Rgb8> tile(picture.width(), picture.height() + line);
-  for (int y = 0; y < picture.height(); ++y) {
-    std::ranges::copy(picture.row(y), tile.row(y).begin());
-  }
-  image::draw_text(tile, {kMarginPx, picture.height() + kMarginPx}, name, kDotPx, kInk);
-  return tile;
-}
-
 Result<Fields> row_of(const std::string& name, const StillJob& job, const RenderedStill& rendered,
                       double resident) {
   const scene::Scene& scene = job.scene->scene();
@@ -139,7 +126,7 @@ Result<Entry> make_entry(const ContactSheetOptions& options, const std::string& 
     const auto written = image::write_png(path.string(), entry.picture);
     if (!written) return forward(written);
   }
-  entry.picture = captioned(entry.picture, name);
+  entry.picture = captioned(entry.picture, std::span(&name, 1));
   return entry;
 }
 

@@ -7,9 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "shared/image/draw.h"
-#include "shared/image/png.h"
 #include "tests/bench/curve.h"
+#include "tests/bench/lightcuts_pictures.h"
 #include "tests/bench/lightcuts_setting.h"
 #include "tests/bench/lightcuts_stages.h"
 #include "tests/bench/lightcuts_stereo.h"
@@ -97,12 +96,6 @@ struct Measured {
   }
 };
 
-Plane<float> as_floats(const Plane<std::uint16_t>& nodes) {
-  Plane<float> plane(nodes.width(), nodes.height());
-  std::ranges::copy(nodes.pixels(), plane.pixels().begin());
-  return plane;
-}
-
 double mean_of(const Plane<float>& plane) {
   double sum = 0.0;
   for (const float value : plane.pixels()) sum += static_cast<double>(value);
@@ -126,19 +119,23 @@ constexpr int kWarmUpSeed = 10'000;
 /// One scene and gaze.
 class Run {
  public:
+  /// `pictures`: none where nobody looks.
   Run(const std::string& scene, double gaze_deg, const LightcutsSetting& setting,
-      const LightcutsJudge& judge, const LightcutsOptions& options, TileScheduler& scheduler)
+      const LightcutsJudge& judge, const LightcutsOptions& options, LightcutsPictures* pictures,
+      TileScheduler& scheduler)
       : scene_(scene),
         gaze_deg_(gaze_deg),
         setting_(setting),
         judge_(judge),
         options_(options),
+        pictures_(pictures),
         scheduler_(scheduler) {}
 
   Result<void> measure(const Method& method) {
     Measured all;
     sizes_of(method, all);
     kernels::History history;
+    Plane<Rgb> first;
     constexpr int kSwing = LightcutsSetting::kSwing;
     const int warm_up = method.remembers ? (options_.warm_up + kSwing - 1) / kSwing * kSwing : 0;
     const int step = method.remembers ? 1 : kSwing;
@@ -147,11 +144,12 @@ class Run {
       auto moved = setting_.moved(k + warm_up);
       if (!moved) return base::forward(moved);
       const auto seed = static_cast<std::uint64_t>(k < 0 ? kWarmUpSeed - k : k + 1);
-      const Picture one = picture_of(*moved, method.config, seed, history, scheduler_);
+      Picture one = picture_of(*moved, method.config, seed, history, scheduler_);
       if (k < 0 || k % kSwing != 0) continue;
       add(one, all);
-      if (k == 0) keep(method, one.radiance);
+      if (k == 0) first = std::move(one.radiance);
     }
+    show(method, all, first);
     measured_.push_back({method, all});
     return {};
   }
@@ -198,22 +196,11 @@ class Run {
     all.stages = stages_of(setting_, method.config, cut_nodes, scheduler_);
   }
 
-  void keep(const Method& method, const Plane<Rgb>& radiance) const {
-    if (options_.pictures.empty()) return;
-    Plane<Rgb8> shown;
-    image::encode(setting_.view.tone, radiance, shown);
-    write(method.label(), shown);
-    // White: off by a fifth of the display's range.
-    write("error_" + method.label(), image::false_color(judge_.error_map(radiance), 0.0F, 0.04F));
-    if (method.config.sizes == CutSizes::Uniform) return;
-    const auto plan = plan_of(setting_, method.config, scheduler_);
-    write("fpsm_" + method.label(), image::false_color(plan.maps.front().map, 0.0F, 1.0F));
-  }
-  void write(const std::string& name, const Plane<Rgb8>& picture) const {
-    const std::string path =
-        picture_folder(options_, scene_) + "/" + name + (gaze_deg_ == 0.0 ? "" : "_aside") + ".png";
-    if (!image::write_png(path, picture))
-      std::fprintf(stderr, "%s: cannot be written\n", path.c_str());
+  void show(const Method& method, const Measured& all, const Plane<Rgb>& radiance) {
+    if (pictures_ == nullptr) return;
+    pictures_->add({method.name, method.label(), baseline_of(method), method.alpha(), all.cpu_ms,
+                    all.errors.mse, all.lspp},
+                   method.config, radiance);
   }
 
   template <class Error>
@@ -291,46 +278,10 @@ class Run {
   const LightcutsSetting& setting_;
   const LightcutsJudge& judge_;
   const LightcutsOptions& options_;
+  LightcutsPictures* pictures_;
   TileScheduler& scheduler_;
   std::vector<Row> measured_;
 };
-
-/// Every mode's map at the mean number of samples that the default has, in false colour.
-Result<void> write_maps(const LightcutsSetting& setting, const std::string& folder,
-                        TileScheduler& scheduler) {
-  const auto plan = plan_of(setting, perceived_cuts(PerceptionMode::Attenuation), scheduler);
-  const double mean = mean_of(as_floats(plan.cut_nodes.front()));
-  struct Named {
-    const char* name;
-    PerceptionMode mode;
-  };
-  std::vector<Plane<Rgb8>> beside;  // the paper's map, and Stengel's
-  for (const Named& one :
-       {Named{"printed", PerceptionMode::Printed}, Named{"difference", PerceptionMode::Difference},
-        Named{"attenuation", PerceptionMode::Attenuation},
-        Named{"stengel", PerceptionMode::Stengel}}) {
-    Config config = perceived_cuts(one.mode);
-    config.mean_nodes = mean;
-    const auto made = plan_of(setting, config, scheduler);
-    const auto most = static_cast<float>(config.most_nodes);
-    Plane<Rgb8> picture = image::false_color(as_floats(made.cut_nodes.front()), 0.0F, most);
-    auto ok = image::write_png(folder + "/map_" + one.name + ".png", picture);
-    if (!ok) return ok;
-    if (one.mode == PerceptionMode::Attenuation || one.mode == PerceptionMode::Stengel)
-      beside.push_back(std::move(picture));
-  }
-  auto both = image::write_png(folder + "/fpsm_beside_afsm.png",
-                               image::contact_sheet(beside, 2, beside.front().width()));
-  if (!both) return both;
-  const auto& map = plan.maps.front();
-  if (auto ok = image::write_png(folder + "/feature_spatial.png",
-                                 image::false_color(map.spatial, 0.0F, 1.0F));
-      !ok) {
-    return ok;
-  }
-  return image::write_png(folder + "/feature_luminance.png",
-                          image::false_color(map.luminance, 0.0F, 1.0F));
-}
 
 LightcutsOptions quickened(LightcutsOptions options) {
   if (!options.quick) return options;
@@ -347,21 +298,21 @@ Result<void> run_scene(const std::string& scene, const LightcutsOptions& options
                        TileScheduler& scheduler, Progress& progress, std::vector<Fields>& rows) {
   auto setting = LightcutsSetting::make(scene, options.quick, options.gloss, scheduler);
   if (!setting) return base::forward(setting);
-  if (!options.pictures.empty()) {
-    const std::string folder = picture_folder(options, scene);
-    std::error_code ignored;  // a folder that cannot be made shows when it is written to
-    std::filesystem::create_directories(folder, ignored);
-    if (auto ok = write_maps(*setting, folder, scheduler); !ok) return ok;
-  }
   LightcutsJudge judge(*setting, references_of(options), scheduler);
   for (const double gaze_deg : options.gazes_deg) {
     setting->look(Degrees{gaze_deg});
     judge.look(*setting);
-    Run run(scene, gaze_deg, *setting, judge, options, scheduler);
+    std::optional<LightcutsPictures> pictures;
+    if (!options.pictures.empty()) {
+      pictures.emplace(picture_folder(options, scene), gaze_deg == 0.0 ? "" : "_aside",
+                       std::filesystem::path(scene).stem().string(), *setting, judge, scheduler);
+    }
+    Run run(scene, gaze_deg, *setting, judge, options, pictures ? &*pictures : nullptr, scheduler);
     for (const Method& method : methods(options)) {
       if (auto ok = run.measure(method); !ok) return ok;
       progress.advance();
     }
+    if (pictures) pictures->write_sheets();
     for (Fields& row : run.rows()) rows.push_back(std::move(row));
   }
   return {};

@@ -100,6 +100,12 @@ kernels::BouncedLight bounced_light(TileScheduler& scheduler) {
 
 }  // namespace
 
+Plane<float> as_floats(const Plane<std::uint16_t>& nodes) {
+  Plane<float> plane(nodes.width(), nodes.height());
+  std::ranges::copy(nodes.pixels(), plane.pixels().begin());
+  return plane;
+}
+
 FoveationMap LightcutsSetting::map() const {
   return {{{view.grid, view.gaze, display.pixel_tangent()}}, {}};
 }
@@ -315,14 +321,30 @@ Plane<float> LightcutsJudge::error_map(const Plane<Rgb>& radiance) const {
   return squares;
 }
 
+Plane<float> LightcutsJudge::noise_map() const {
+  Plane<float> squares(first_.width(), first_.height());
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const Rgb apart = image::display_linear(tone_, first_.pixels()[i]) -
+                      image::display_linear(tone_, second_.pixels()[i]);
+    squares.pixels()[i] = glm::dot(apart, apart) / 12.0F;  // of two halves' mean: a quarter
+  }
+  return squares;
+}
+
+Plane<std::uint8_t> LightcutsJudge::within_f25() const {
+  Plane<std::uint8_t> inside(eccentricity_.width(), eccentricity_.height());
+  std::ranges::transform(eccentricity_.pixels(), inside.pixels().begin(), [](float e) {
+    return image::contains(image::Region::F25, Radians{static_cast<double>(e)});
+  });
+  return inside;
+}
+
 Regional LightcutsJudge::mean(const Plane<float>& plane) const {
   return regional([&](std::size_t i) { return static_cast<double>(plane.pixels()[i]); });
 }
 
 double LightcutsJudge::share_of_f25() const {
-  const auto inside = std::ranges::count_if(eccentricity_.pixels(), [](float e) {
-    return image::contains(image::Region::F25, Radians{static_cast<double>(e)});
-  });
+  const auto inside = std::ranges::count(within_f25().pixels(), std::uint8_t{1});
   return static_cast<double>(inside) / static_cast<double>(eccentricity_.size());
 }
 

@@ -15,6 +15,9 @@ namespace macula::bench {
 
 using image::Plane;
 
+/// Nodes of each pixel's cut, as numbers to draw and to take means of.
+Plane<float> as_floats(const Plane<std::uint16_t>& nodes);
+
 struct LightcutsSetting {
   std::shared_ptr<kernels::SceneTimeline> timeline;
   std::shared_ptr<const kernels::SceneFrame> scene;  ///< at time 0
@@ -94,6 +97,9 @@ class LightcutsJudge {
   LightcutsErrors errors(const Plane<Rgb>& radiance) const;
   /// Squared, display-linear, mean over the channels; with the references' noise.
   Plane<float> error_map(const Plane<Rgb>& radiance) const;
+  /// What of that is the references' own.
+  Plane<float> noise_map() const;
+  Plane<std::uint8_t> within_f25() const;
   Regional mean(const Plane<float>& plane) const;
   double share_of_f25() const;
   Plane<Rgb> reference() const;

@@ -1,6 +1,7 @@
 #include "tests/bench/lightcuts_stages.h"
 
 #include <cmath>
+#include <memory>
 
 #include "server/kernels/lightcuts/gloss.h"
 #include "server/kernels/lightcuts/node_choices.h"
@@ -69,6 +70,33 @@ double glossy_ms(const kernels::SceneFrame& scene, const kernels::lightcuts::Con
   return watch.lap().cpu_ms;
 }
 
+/// Asks nobody: which light it would be is not looked at.
+struct Uncounted {
+  void operator()(const kernels::lightcuts::CutNode&, const lights::LeafChoice&) const {}
+};
+
+/// The share of every point's nodes that is taken, a point as a tile of its own.
+Plane<float> taken_shares(const kernels::SceneFrame& scene, const ViewSurfaces& surfaces,
+                          const kernels::lightcuts::CutPlan& plan) {
+  Plane<float> shares(surfaces.width, surfaces.height);
+  const auto single = std::make_unique<SurfaceTile>();
+  for (const SurfaceTile& tile : surfaces.tiles) {
+    single->rect = tile.rect;
+    single->points.sample = tile.points.sample;
+    for (std::size_t i = 0; i < tile.points.count; ++i) {
+      single->points.count = 0;
+      kernels::lightcuts::append(tile, i, *single);
+      kernels::lightcuts::CutWork work;
+      Uncounted sink;
+      kernels::lightcuts::NodeChoices<Uncounted>(scene, *single, plan, work, sink).run();
+      const auto all = static_cast<float>(work.taken + work.walked);
+      const image::Pixel at = tile.pixel(i);
+      shares(at.x, at.y) = all > 0.0F ? static_cast<float>(work.taken) / all : 0.0F;
+    }
+  }
+  return shares;
+}
+
 }  // namespace
 
 LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
@@ -87,6 +115,34 @@ LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightc
   if (setting.gloss == kernels::lightcuts::Gloss::Yes)
     stages.glossy_ms = glossy_ms(*setting.scene, config, surfaces.front(), cut_nodes);
   return stages;
+}
+
+LightcutsStagePlanes stage_planes_of(const LightcutsSetting& setting,
+                                     const kernels::lightcuts::Config& config,
+                                     scheduling::TileScheduler& scheduler) {
+  const FoveationMap map = setting.map();
+  const kernels::FrameRequest request{{&setting.view, 1}, map, 0, 1};
+  kernels::FrameBuffers out;
+  out.wanted = kernels::kNormal | kernels::kAlbedo;
+  kernels::prepare_buffers({&setting.view, 1}, out);
+  std::vector<ViewSurfaces> surfaces;
+  kernels::lightcuts::trace_surfaces(request, *setting.scene, config.ray, scheduler, surfaces, out);
+  auto low = kernels::lightcuts::trace_low_views(request, *setting.scene, config, scheduler);
+  auto plan =
+      kernels::lightcuts::plan_lights(request, *setting.scene, config, out, {}, low, scheduler);
+  kernels::lightcuts::LowPicture drawn;
+  drawn.factor = config.low_resolution;
+  kernels::lightcuts::give_keys(low.views.front().grid, request.seed + 1, 0, low.surfaces.front());
+  kernels::lightcuts::draw_low_picture(*setting.scene, low.surfaces.front(), 0, config.kept_nodes,
+                                       scheduler, drawn);
+  LightcutsStagePlanes planes;
+  planes.taken = taken_shares(
+      *setting.scene, surfaces.front(),
+      {plan.cut_nodes.front(), config.most_nodes, &plan.maps.front().map, &drawn, setting.gloss});
+  planes.low_picture = std::move(low.out.views.front().radiance);
+  planes.maps = std::move(plan.maps.front());
+  planes.cut_nodes = std::move(plan.cut_nodes.front());
+  return planes;
 }
 
 }  // namespace macula::bench

@@ -19,4 +19,16 @@ LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightc
                           const Plane<std::uint16_t>& cut_nodes,
                           scheduling::TileScheduler& scheduler);
 
+/// What the stages of a frame with cuts of perceived sizes make, to be looked at.
+struct LightcutsStagePlanes {
+  Plane<Rgb>
+      low_picture;  ///< what contrast is seen in: a pixel for low_resolution x low_resolution
+  kernels::lightcuts::PerceptionMap maps;
+  Plane<std::uint16_t> cut_nodes;
+  Plane<float> taken;  ///< share of a pixel's nodes whose light a low pixel had drawn, [0, 1]
+};
+LightcutsStagePlanes stage_planes_of(const LightcutsSetting& setting,
+                                     const kernels::lightcuts::Config& config,
+                                     scheduling::TileScheduler& scheduler);
+
 }  // namespace macula::bench

@@ -8,8 +8,8 @@ culling: vpl_contrast.svg (contributions with and without BLSO), limitation.svg 
 with and without), error_over_kept.svg, error_over_time.svg and equal_time.txt (each baseline's error, read off its own
 curve at the time that flc, flc_rays and flc_fast took, over theirs).
 lightcuts: error_over_time.png (every method's error in F25 and outside over time), figure_8.png and table_4.txt (error and
-time over alpha, from --alphas); error maps and pictures per alpha (figures 5 and 7) are written by --pictures; figure_9.png
-(stages of a frame beside the baseline of about equal error).
+time over alpha, from --alphas) and figure_9.png (stages of a frame beside the baseline of about equal error); figures 5, 6
+and 7 are pictures: --pictures writes errors.png, maps.png, alphas.png and, of what the stages make, stages.png.
 tradeoff: KERNEL.svg (what each knob buys: error as the eye weighs it over time, both over the kernel's own
 settings, means of the scenes; the pictures beside the kernels' pages).
 Needs matplotlib (Debian: python3-matplotlib).

@@ -402,7 +402,10 @@ TEST_F(Program, MethodsOfLightcutsAreHeldToEqualCutsAndTheEyeGetsMostWhereItLook
   }
   EXPECT_EQ(curve, 6);
   EXPECT_EQ(std::ranges::count(methods, "paper"), 1);
+  for (const char* sheet : {"maps", "errors", "stages"})
+    EXPECT_TRUE(fs::exists(path("maps") + "/" + sheet + ".png")) << sheet;
   EXPECT_TRUE(fs::exists(path("maps") + "/map_attenuation.png"));
+  EXPECT_FALSE(fs::exists(path("maps") + "/alphas.png")) << "one alpha is no figure of alphas";
 }
 
 TEST_F(Program, ReprojectionKeepsThePictureAtTheSamePoseAndGainsWithEveryStage) {

@@ -7,10 +7,9 @@
 
 #include "server/exr/exr.h"
 #include "shared/base/text.h"
-#include "shared/image/draw.h"
-#include "shared/image/lettering.h"
 #include "shared/image/tone.h"
 #include "shared/math/hash.h"
+#include "tests/bench/figure_sheet.h"
 
 namespace macula::bench {
 namespace {
@@ -132,41 +131,6 @@ Range percentiles(const Plane<float>& plane) {
   return range.low < range.high ? range : Range{range.low - 0.5F, range.low + 0.5F};
 }
 
-enum class Ticks { Linear, Decades };
-
-/// A bar of all colours from `low` to `high` with five values under it.
-Plane<Rgb8> scale_bar(int width_px, const Range& range, Ticks ticks, const std::string& title) {
-  constexpr int kBarPx = 10, kMarginPx = 4, kDotPx = 1, kTicks = 5;
-  constexpr Rgb8 kInk{230, 230, 230};
-  const int line = image::text_height_px(kDotPx) + kMarginPx;
-  Plane<Rgb8> bar(width_px, kBarPx + 2 * line + kMarginPx);
-  for (int x = 0; x < width_px; ++x) {
-    const float t = (static_cast<float>(x) + 0.5F) / static_cast<float>(width_px);
-    for (int y = 0; y < kBarPx; ++y) bar(x, y) = image::false_color(t);
-  }
-  for (int i = 0; i < kTicks; ++i) {
-    const float t = static_cast<float>(i) / (kTicks - 1);
-    const float value = std::lerp(range.low, range.high, t);
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g",
-                  ticks == Ticks::Decades ? std::pow(10.0, value) : static_cast<double>(value));
-    const int width = image::text_width_px(text, kDotPx);
-    const int x = static_cast<int>(t * static_cast<float>(width_px - 1)) - width * i / (kTicks - 1);
-    image::draw_text(bar, {x, kBarPx + kMarginPx}, text, kDotPx, kInk);
-  }
-  image::draw_text(bar, {kMarginPx, kBarPx + kMarginPx + line}, title, kDotPx, kInk);
-  return bar;
-}
-
-Plane<Rgb8> stacked(const Plane<Rgb8>& above, const Plane<Rgb8>& below) {
-  Plane<Rgb8> picture(above.width(), above.height() + below.height());
-  for (int y = 0; y < picture.height(); ++y) {
-    const auto row = y < above.height() ? above.row(y) : below.row(y - above.height());
-    std::ranges::copy(row, picture.row(y).begin());
-  }
-  return picture;
-}
-
 std::string title_of(StillPlane plane) {
   switch (plane) {
     case StillPlane::Depth:
@@ -195,8 +159,8 @@ Plane<Rgb8> as_false_color(const StillLayer& layer) {
     for (float& value : values.pixels()) value = std::log10(value);
   }
   const Range range = percentiles(values);
-  return stacked(image::false_color(values, range.low, range.high),
-                 scale_bar(values.width(), range, ticks, title_of(layer.plane)));
+  const ColorScale scale{title_of(layer.plane), range.low, range.high, ticks};
+  return stacked(false_color(values, scale), scale_bar(scale, values.width()));
 }
 
 }  // namespace
