@@ -144,8 +144,12 @@ Run declare_lightcuts(CLI::App& command, Pace) {
   command.add_flag("--stereo", options->stereo,
                    "Pairs of eyes: cost and error of the second, lit by itself and by what the\n"
                    "first has found; methods sl_denoised,paper,paper_denoised,ours");
-  command.add_flag("--quick", options->quick,
-                   "360x425, --gazes 0, one frame (of pairs: four) after 4, one pass of 64 nodes");
+  command.add_flag(
+      "--quick", options->quick,
+      "360x425, --gazes 0, one frame (of pairs: four) after 4, one pass of 64 nodes;\n"
+      "curves end where they have reached every method's time and error, or at 32\n"
+      "samples; sl_denoised with 1, 4, 8 and 32; paper_denoised if named; stages of one\n"
+      "tile in four");
   add_threads(command, options->threads);
   command
       .add_option("--pictures", options->pictures,
@@ -165,7 +169,9 @@ Run declare_lightcuts(CLI::App& command, Pace) {
       "mse is of display-linear values, relmse of radiance; both may be negative where they lie\n"
       "below the noise of the references. gain: the baseline's error at equal time over the\n"
       "method's; speed: its time at equal error in F25; plain_gain: against sl, whatever the\n"
-      "baseline. ours is held against sl_denoised, which has the same denoiser and memory.");
+      "baseline. Each is read off the baseline at its best, between points that were measured;\n"
+      "not_read: how many of these lie beyond a curve that was measured, where nothing\n"
+      "is told. ours is held against sl_denoised, which has the same denoiser and memory.");
   return [options]() -> Result<void> { return run_lightcuts(*options); };
 }
 

@@ -17,6 +17,10 @@ Curve::Curve(std::vector<Point> points) : points_(std::move(points)) {
   std::ranges::sort(points_, {}, &Point::x);
 }
 
+bool Curve::spans(double x) const {
+  return !points_.empty() && points_.front().x <= x && x <= points_.back().x;
+}
+
 std::optional<double> Curve::at(double x) const {
   if (points_.size() < 2 || !(x > 0.0)) return std::nullopt;
   const Point &first = points_.front(), &last = points_.back();

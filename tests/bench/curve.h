@@ -16,6 +16,8 @@ class Curve {
   explicit Curve(std::vector<Point> points);
   /// nullopt: fewer than two points, or a value that has no logarithm.
   std::optional<double> at(double x) const;
+  /// Whether x lies between measured points.
+  bool spans(double x) const;
 
  private:
   std::vector<Point> points_;  ///< x ascending

@@ -7,7 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "tests/bench/curve.h"
+#include "server/reconstruction/light_memory.h"
+#include "tests/bench/lightcuts_gains.h"
 #include "tests/bench/lightcuts_pictures.h"
 #include "tests/bench/lightcuts_setting.h"
 #include "tests/bench/lightcuts_stages.h"
@@ -54,14 +55,26 @@ void add_alphas(std::vector<Method>& all) {
   }
 }
 
+/// Of a baseline's cuts.
+constexpr int most_nodes(bool quick) {
+  return quick ? 32 : 64;
+}
+
+/// Whether light memory holds more than one frame of so many samples a pixel.
+bool fills_memory(int nodes) {
+  return static_cast<float>(nodes) < reconstruction::MemoryConfig{}.most_samples;
+}
+
 std::vector<Method> methods(const LightcutsOptions& options) {
   using kernels::lightcuts::Denoise;
   std::vector<Method> all;
-  for (int nodes = 1; nodes <= (options.quick ? 32 : 64); nodes *= 2) {
+  const int most = most_nodes(options.quick);
+  for (int nodes = 1; nodes <= most; nodes *= 2)
     all.push_back({"sl", uniform_cuts(nodes), Curves::Itself});
-  }
-  for (int nodes = 1; nodes <= (options.quick ? 16 : 64); nodes *= options.quick ? 4 : 2) {
-    all.push_back({"sl_denoised", denoised_cuts(nodes), Curves::Itself, true});
+  // Quick: the last that memory serves well, and one without any, which needs no frames before.
+  for (int nodes = 1; nodes <= most; nodes *= 2) {
+    if (options.quick && (nodes == 2 || nodes == 16)) continue;
+    all.push_back({"sl_denoised", denoised_cuts(nodes), Curves::Itself, fills_memory(nodes)});
   }
   all.push_back({"sl_as", perceived_cuts(PerceptionMode::Stengel)});
   all.push_back({"paper_no_reuse", perceived_cuts(PerceptionMode::Attenuation)});
@@ -76,6 +89,8 @@ std::vector<Method> methods(const LightcutsOptions& options) {
     return !options.methods.empty() &&
            std::ranges::find(options.methods, method.name) == options.methods.end();
   });
+  if (options.quick && options.methods.empty())
+    std::erase_if(all, [](const Method& method) { return method.name == "paper_denoised"; });
   return all;
 }
 
@@ -100,11 +115,6 @@ double mean_of(const Plane<float>& plane) {
   double sum = 0.0;
   for (const float value : plane.pixels()) sum += static_cast<double>(value);
   return sum / static_cast<double>(plane.size());
-}
-
-template <class Value>
-double or_nan(const std::optional<double>& value, const Value& then) {
-  return value ? then(*value) : std::nan("");
 }
 
 /// Of one scene's pictures.
@@ -154,9 +164,18 @@ class Run {
     return {};
   }
 
+  /// Whether more points of a baseline's curve would tell nothing.
+  bool reaches_all(const std::string& baseline) const {
+    return bench::reaches_all(baseline, judged());
+  }
+
+  /// Curves first.
   std::vector<Fields> rows() const {
     std::vector<Fields> rows;
-    for (const Row& row : measured_) rows.push_back(fields(row));
+    for (const bool curves : {true, false}) {
+      for (const Row& row : measured_)
+        if ((row.method.against == Curves::Itself) == curves) rows.push_back(fields(row));
+    }
     return rows;
   }
 
@@ -193,7 +212,7 @@ class Run {
     const Plane<float> nodes = as_floats(cut_nodes);
     all.mean_lspp = mean_of(nodes);
     all.lspp = judge_.mean(nodes);
-    all.stages = stages_of(setting_, method.config, cut_nodes, scheduler_);
+    all.stages = stages_of(setting_, method.config, cut_nodes, options_.quick ? 4 : 1, scheduler_);
   }
 
   void show(const Method& method, const Measured& all, const Plane<Rgb>& radiance) {
@@ -203,37 +222,25 @@ class Run {
                    method.config, radiance);
   }
 
-  template <class Error>
-  Curve curve(const std::string& baseline, const Error& error_of, bool time_from_error) const {
-    std::vector<Curve::Point> points;
-    for (const Row& row : measured_) {
-      if (row.method.name != baseline) continue;
-      const double time = row.measured.cpu_ms, error = error_of(row.measured);
-      points.push_back(time_from_error ? Curve::Point{error, time} : Curve::Point{time, error});
-    }
-    return Curve(std::move(points));
-  }
-
   static std::string baseline_of(const Method& method) {
     if (method.against == Curves::Itself) return method.name;
     return method.against == Curves::Plain ? "sl" : "sl_denoised";
   }
 
+  static Judged judged(const Row& row) {
+    const Measured& m = row.measured;
+    return {row.method.name, baseline_of(row.method), m.cpu_ms, m.errors.mse.f25,
+            m.errors.mse.out25};
+  }
+  std::vector<Judged> judged() const {
+    std::vector<Judged> all;
+    for (const Row& row : measured_) all.push_back(judged(row));
+    return all;
+  }
+
   Fields fields(const Row& row) const {
     const Measured& m = row.measured;
-    const auto inside = [](const Measured& one) { return one.errors.mse.f25; };
-    const auto outside = [](const Measured& one) { return one.errors.mse.out25; };
-    const std::string baseline = baseline_of(row.method);
-    const double gain_f25 = or_nan(curve(baseline, inside, false).at(m.cpu_ms),
-                                   [&](double sl) { return sl / inside(m); });
-    const double gain_out25 = or_nan(curve(baseline, outside, false).at(m.cpu_ms),
-                                     [&](double sl) { return sl / outside(m); });
-    const double speed_f25 = or_nan(curve(baseline, inside, true).at(inside(m)),
-                                    [&](double sl) { return sl / m.cpu_ms; });
-    const double plain_f25 =
-        or_nan(curve("sl", inside, false).at(m.cpu_ms), [&](double sl) { return sl / inside(m); });
-    const double plain_out25 = or_nan(curve("sl", outside, false).at(m.cpu_ms),
-                                      [&](double sl) { return sl / outside(m); });
+    const LightcutsGains gains = gains_of(judged(row), judged());
     char gaze[32];
     std::snprintf(gaze, sizeof gaze, "%g,0", gaze_deg_);
     return {{"scene", scene_},
@@ -242,7 +249,7 @@ class Run {
             {"share_of_f25", judge_.share_of_f25()},
             {"method", row.method.name},
             {"alpha", static_cast<double>(row.method.alpha())},
-            {"against", baseline},
+            {"against", baseline_of(row.method)},
             {"cpu_ms", m.cpu_ms},
             {"wall_ms", m.wall_ms},
             {"mean_lspp", m.mean_lspp},
@@ -266,11 +273,12 @@ class Run {
             {"denoise_ms", m.denoise_ms},
             {"reuse", m.reuse},
             {"samples_s", m.samples / (1e-3 * m.cpu_ms)},
-            {"gain_f25", gain_f25},
-            {"gain_out25", gain_out25},
-            {"speed_f25", speed_f25},
-            {"plain_gain_f25", plain_f25},
-            {"plain_gain_out25", plain_out25}};
+            {"gain_f25", gains.gain_f25},
+            {"gain_out25", gains.gain_out25},
+            {"speed_f25", gains.speed_f25},
+            {"plain_gain_f25", gains.plain_gain_f25},
+            {"plain_gain_out25", gains.plain_gain_out25},
+            {"not_read", std::int64_t{gains.not_read}}};
   }
 
   const std::string& scene_;
@@ -293,6 +301,23 @@ LightcutsOptions quickened(LightcutsOptions options) {
   return options;
 }
 
+/// Methods before the curves that they are held against: a quick run's curves end where they have
+/// reached all.
+Result<void> measure_all(std::vector<Method> all, const LightcutsOptions& options,
+                         Progress& progress, Run& run) {
+  std::ranges::stable_partition(
+      all, [](const Method& method) { return method.against != Curves::Itself; });
+  for (const Method& method : all) {
+    const bool is_needed =
+        !options.quick || method.against != Curves::Itself || !run.reaches_all(method.name);
+    if (is_needed) {
+      if (auto ok = run.measure(method); !ok) return ok;
+    }
+    progress.advance();
+  }
+  return {};
+}
+
 /// A scene's rows, a gaze after the other; references are made once.
 Result<void> run_scene(const std::string& scene, const LightcutsOptions& options,
                        TileScheduler& scheduler, Progress& progress, std::vector<Fields>& rows) {
@@ -308,10 +333,7 @@ Result<void> run_scene(const std::string& scene, const LightcutsOptions& options
                        std::filesystem::path(scene).stem().string(), *setting, judge, scheduler);
     }
     Run run(scene, gaze_deg, *setting, judge, options, pictures ? &*pictures : nullptr, scheduler);
-    for (const Method& method : methods(options)) {
-      if (auto ok = run.measure(method); !ok) return ok;
-      progress.advance();
-    }
+    if (auto ok = measure_all(methods(options), options, progress, run); !ok) return ok;
     if (pictures) pictures->write_sheets();
     for (Fields& row : run.rows()) rows.push_back(std::move(row));
   }
@@ -334,7 +356,7 @@ std::vector<Fields> gains(const std::vector<Fields>& rows) {
                                 static_cast<double>(kernels::lightcuts::PerceptionConfig{}.alpha);
         if (!is_of_it(row) || !is_default) continue;
         const double value = number_in(row, key);
-        if (std::isnan(value)) continue;  // its baseline was not measured
+        if (std::isnan(value)) continue;  // not measured, or beyond its curve
         sum += std::log(value), worst = std::min(worst, value), ++count;
       }
       line.emplace_back(key, std::exp(sum / count));

@@ -25,13 +25,6 @@ std::string text(const char* format, Values... values) {
   return line;
 }
 
-const ColorScale& error_scale() {
-  static const ColorScale scale{
-      "error, root of the mean square over channels, of what a display "
-      "shows (1: white)",
-      0.0F, 0.2F, Ticks::Linear};
-  return scale;
-}
 const ColorScale& share_scale() {
   static const ColorScale scale{"fsfm, flfm, fpsm, share taken", 0.0F, 1.0F, Ticks::Linear};
   return scale;
@@ -41,9 +34,14 @@ ColorScale node_scale() {
           Ticks::Linear};
 }
 
-Plane<Rgb8> error_picture(Plane<float> squares) {
+ColorScale error_scale_to(float most) {
+  return {"error, root of the mean square over channels, of what a display shows (1: white)", 0.0F,
+          most, Ticks::Linear};
+}
+
+Plane<Rgb8> error_picture(Plane<float> squares, const ColorScale& scale) {
   for (float& value : squares.pixels()) value = std::sqrt(value);
-  return false_color(squares, error_scale());
+  return false_color(squares, scale);
 }
 
 std::string told(const char* what, const Regional& of) {
@@ -68,9 +66,10 @@ LightcutsPictures::LightcutsPictures(std::string folder, std::string suffix, std
 
 void LightcutsPictures::add(const ShownFigures& figures, const Config& config,
                             const Plane<Rgb>& radiance) {
-  Shown one{figures, shown(radiance), error_picture(judge_.error_map(radiance)), {}};
+  Shown one{figures, shown(radiance), {}, judge_.error_map(radiance)};
+  constexpr float kSingly = 0.2F;  // one range for all scenes
   write(figures.label, one.picture);
-  write("error_" + figures.label, one.error);
+  write("error_" + figures.label, error_picture(one.squares, error_scale_to(kSingly)));
   if (config.sizes == CutSizes::Perceived) {
     one.map = false_color(plan_of(setting_, config, scheduler_).maps.front().map, share_scale());
     write("fpsm_" + figures.label, one.map);
@@ -126,22 +125,36 @@ std::vector<const LightcutsPictures::Shown*> LightcutsPictures::compared() const
   return columns;
 }
 
+/// Up to a round number that no region's root mean square error passes.
+ColorScale LightcutsPictures::error_scale(const std::vector<const Shown*>& all) {
+  double largest = 0.0;
+  for (const Shown* one : all)
+    largest = std::max({largest, one->figures.mse.f25, one->figures.mse.out25});
+  largest = std::sqrt(largest);
+  for (const float most : {0.01F, 0.02F, 0.05F, 0.1F, 0.2F, 0.5F})
+    if (largest <= static_cast<double>(most)) return error_scale_to(most);
+  return error_scale_to(1.0F);
+}
+
 void LightcutsPictures::write_errors() const {
   const std::vector<const Shown*> columns = compared();
   if (columns.empty()) return;
+  const ColorScale scale = error_scale(columns);
   FigureSheet sheet{
-      title_ + ": methods, then baselines of about their time; ring: 25 degrees around the gaze",
+      title_ + ": methods, then baselines of about their time (ring: 25 degrees around the gaze)",
       static_cast<int>(columns.size()) + 1,
       {{ringed(shown(judge_.reference())), {"reference"}}},
-      {error_scale()}};
+      {scale}};
   for (const Shown* one : columns) {
     sheet.panels.push_back(
         {ringed(one->picture),
          {text("%s, %.0f ms", one->figures.label.c_str(), one->figures.cpu_ms)}});
   }
-  sheet.panels.push_back({ringed(error_picture(judge_.noise_map())), {"noise of the reference"}});
+  sheet.panels.push_back(
+      {ringed(error_picture(judge_.noise_map(), scale)), {"noise of the reference"}});
   for (const Shown* one : columns)
-    sheet.panels.push_back({ringed(one->error), {told("mse", one->figures.mse)}});
+    sheet.panels.push_back(
+        {ringed(error_picture(one->squares, scale)), {told("mse", one->figures.mse)}});
   write("errors", drawn(sheet));
 }
 
@@ -151,11 +164,13 @@ void LightcutsPictures::write_alphas() const {
     if (one.figures.name == "paper") columns.push_back(&one);
   if (columns.size() < 2) return;
   std::ranges::sort(columns, {}, [](const Shown* one) { return one->figures.alpha; });
+  const ColorScale scale = error_scale(columns);
   FigureSheet sheet{
-      title_ + ": the method of the paper by its threshold alpha; ring: 25 degrees around the gaze",
+      title_ +
+          ": the method of the paper by its threshold alpha (ring: 25 degrees around the gaze)",
       static_cast<int>(columns.size()),
       {},
-      {share_scale(), error_scale()}};
+      {share_scale(), scale}};
   for (const Shown* one : columns) {
     sheet.panels.push_back({ringed(one->picture),
                             {text("alpha %g, %.0f ms", static_cast<double>(one->figures.alpha),
@@ -164,7 +179,8 @@ void LightcutsPictures::write_alphas() const {
   for (const Shown* one : columns)
     sheet.panels.push_back({ringed(one->map), {told("samples", one->figures.lspp)}});
   for (const Shown* one : columns)
-    sheet.panels.push_back({ringed(one->error), {told("mse", one->figures.mse)}});
+    sheet.panels.push_back(
+        {ringed(error_picture(one->squares, scale)), {told("mse", one->figures.mse)}});
   write("alphas", drawn(sheet));
 }
 
@@ -172,13 +188,12 @@ void LightcutsPictures::write_stages() const {
   const Shown* paper = find("paper", kDefaultAlpha);
   if (paper == nullptr) return;
   const Config config = paper_cuts();
+  const ColorScale scale = error_scale({paper});
   const LightcutsStagePlanes planes = stage_planes_of(setting_, config, scheduler_);
   const int width = setting_.display.width_px, height = setting_.display.height_px;
   const Plane<float> nodes = as_floats(planes.cut_nodes);
-  FigureSheet sheet{title_ + ": what the stages of a frame make",
-                    4,
-                    {},
-                    {share_scale(), node_scale(), error_scale()}};
+  FigureSheet sheet{
+      title_ + ": what the stages of a frame make", 4, {}, {share_scale(), node_scale(), scale}};
   sheet.panels = {
       {enlarged(shown(planes.low_picture), config.low_resolution, width, height),
        {text("low resolution, %d nodes", config.low_nodes)}},
@@ -189,7 +204,7 @@ void LightcutsPictures::write_stages() const {
       {ringed(false_color(planes.taken, share_scale())),
        {told("taken", judge_.mean(planes.taken))}},
       {ringed(paper->picture), {text("paper, %.0f ms", paper->figures.cpu_ms)}},
-      {ringed(paper->error), {told("mse", paper->figures.mse)}}};
+      {ringed(error_picture(paper->squares, scale)), {told("mse", paper->figures.mse)}}};
   write("stages", drawn(sheet));
 }
 

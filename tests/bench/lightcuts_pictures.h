@@ -38,7 +38,8 @@ class LightcutsPictures {
  private:
   struct Shown {
     ShownFigures figures;
-    Plane<Rgb8> picture, error, map;  ///< map: empty where cuts are of equal size
+    Plane<Rgb8> picture, map;  ///< map: empty where cuts are of equal size
+    Plane<float> squares;      ///< of errors
   };
 
   void write_maps() const;
@@ -49,6 +50,7 @@ class LightcutsPictures {
   const Shown* find(const std::string& name, float alpha) const;
   const Shown* nearest_in_time(const std::string& baseline, double cpu_ms) const;
   std::vector<const Shown*> compared() const;
+  static ColorScale error_scale(const std::vector<const Shown*>& all);
 
   Plane<Rgb8> ringed(Plane<Rgb8> picture) const;
   Plane<Rgb8> shown(const Plane<Rgb>& radiance) const;

@@ -57,12 +57,33 @@ class Walker {
   std::vector<lights::LeafChoice> choices_;
 };
 
-/// With gloss: its rays of every tile.
+std::size_t points_in(const std::vector<SurfaceTile>& tiles) {
+  std::size_t points = 0;
+  for (const SurfaceTile& tile : tiles) points += tile.points.count;
+  return points;
+}
+
+/// One tile in `every`, and the share of all points that they hold.
+struct ChosenTiles {
+  std::vector<SurfaceTile> tiles;
+  double share = 1.0;
+};
+ChosenTiles chosen(std::vector<SurfaceTile> all, int every) {
+  const std::size_t points = points_in(all);
+  ChosenTiles some;
+  for (std::size_t k = 0; k < all.size(); k += static_cast<std::size_t>(every))
+    some.tiles.push_back(std::move(all[k]));
+  if (points > 0)
+    some.share = static_cast<double>(points_in(some.tiles)) / static_cast<double>(points);
+  return some;
+}
+
+/// With gloss: its rays.
 double glossy_ms(const kernels::SceneFrame& scene, const kernels::lightcuts::Config& config,
-                 const ViewSurfaces& surfaces, const Plane<std::uint16_t>& cut_nodes) {
+                 const std::vector<SurfaceTile>& tiles, const Plane<std::uint16_t>& cut_nodes) {
   if (!kernels::lightcuts::has_gloss(scene, config.ray)) return 0.0;
   Stopwatch watch;
-  for (const SurfaceTile& tile : surfaces.tiles) {
+  for (const SurfaceTile& tile : tiles) {
     std::vector<Rgb> slots(tile.points.count, Rgb{0.0F});
     kernels::ray::LightingWork work;
     kernels::lightcuts::add_gloss(scene, config, tile, {cut_nodes}, work, slots);
@@ -100,7 +121,7 @@ Plane<float> taken_shares(const kernels::SceneFrame& scene, const ViewSurfaces& 
 }  // namespace
 
 LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
-                          const Plane<std::uint16_t>& cut_nodes,
+                          const Plane<std::uint16_t>& cut_nodes, int every,
                           scheduling::TileScheduler& scheduler) {
   LightcutsStages stages;
   stages.tree_ms = tree_ms(*setting.scene);
@@ -111,9 +132,11 @@ LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightc
   kernels::lightcuts::trace_surfaces({{&setting.view, 1}, map, 0, 1}, *setting.scene, config.ray,
                                      scheduler, surfaces, out);
   Walker walker(setting.scene->placed_lights().tree());
-  for (const SurfaceTile& tile : surfaces.front().tiles) walker.add(tile, cut_nodes, stages);
+  const auto [tiles, share] = chosen(std::move(surfaces.front().tiles), every);
+  for (const SurfaceTile& tile : tiles) walker.add(tile, cut_nodes, stages);
   if (setting.gloss == kernels::lightcuts::Gloss::Yes)
-    stages.glossy_ms = glossy_ms(*setting.scene, config, surfaces.front(), cut_nodes);
+    stages.glossy_ms = glossy_ms(*setting.scene, config, tiles, cut_nodes);
+  stages.cut_ms /= share, stages.sample_ms /= share, stages.glossy_ms /= share;
   return stages;
 }
 

@@ -13,10 +13,11 @@ struct LightcutsStages {
   double glossy_ms = 0.0;  ///< the rays of glossy points, and light where they arrive
 };
 
-/// `cut_nodes`: of each pixel's cut. tree_ms is not a number for scenes with virtual lights: the
+/// `cut_nodes`: of each pixel's cut. One tile in `every` is measured and stands for the others, by
+/// points. tree_ms is not a number for scenes with virtual lights: the
 /// tree there holds more than the scene lists.
 LightcutsStages stages_of(const LightcutsSetting& setting, const kernels::lightcuts::Config& config,
-                          const Plane<std::uint16_t>& cut_nodes,
+                          const Plane<std::uint16_t>& cut_nodes, int every,
                           scheduling::TileScheduler& scheduler);
 
 /// What the stages of a frame with cuts of perceived sizes make, to be looked at.
