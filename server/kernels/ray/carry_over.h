@@ -17,15 +17,15 @@ namespace macula::kernels::ray {
 class CarryOver {
  public:
   /// Refers to all of them. `moved` brings the memory to a view that differs; null where `now`
-  /// already is this view's, but for its depths, which are `depths_then`. The
-  /// planes of `luminance` have the support's size.
+  /// already is this view's, but for its depths, which are `depths_then`. The planes of
+  /// `luminance` have the support's size.
   CarryOver(const MergeJob& merge, const Reprojector* moved, const Plane<float>& depths_then,
             Cache& now, ViewBuffers& out, SupportLuminance& luminance);
 
   /// What came of some rows.
   struct Brought {
-    std::vector<image::Pixel>
-        forgotten;            ///< cells that are neither chosen nor remembered, in order
+    /// Cells that are neither chosen nor remembered, row by row.
+    std::vector<image::Pixel> forgotten;
     double joining_ms = 0.0;  ///< how long samples took to join
   };
   /// Rows [first, last) of the cache and the frame. Any rows may be brought by several threads at

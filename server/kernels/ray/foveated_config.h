@@ -65,7 +65,7 @@ struct FoveatedConfig {
   AgeLimits light_age{0.05F, 0.5F, 16};  ///< of light that is estimated by chance
   float fovea_weight = 0.2F;             ///< least weight where every cell is traced, (0, 1]
   float clip_fovea = 1.0F, clip_outside = 2.0F;  ///< standard deviations
-  float most_resampled = 0.25F;                  ///< share of a frame's primary rays, [0, 1)
+  float most_resampled = 0.27F;                  ///< share of a frame's primary rays, [0, 1)
   /// Share of a view's cells that may be traced, (0, 1]: probabilities below 1 are scaled from
   /// frame to frame until it is met. 1: as many as the rate model asks.
   float ray_budget = 1.0F;
