@@ -111,12 +111,6 @@ struct Measured {
   }
 };
 
-double mean_of(const Plane<float>& plane) {
-  double sum = 0.0;
-  for (const float value : plane.pixels()) sum += static_cast<double>(value);
-  return sum / static_cast<double>(plane.size());
-}
-
 /// Of one scene's pictures.
 std::string picture_folder(const LightcutsOptions& options, const std::string& scene) {
   if (options.scenes.size() == 1) return options.pictures;

@@ -87,9 +87,7 @@ void LightcutsPictures::write_sheets() const {
 /// Every mode's at the mean number of samples that the default has.
 void LightcutsPictures::write_maps() const {
   const auto plan = plan_of(setting_, perceived_cuts(PerceptionMode::Attenuation), scheduler_);
-  double mean = 0.0;
-  for (const std::uint16_t nodes : plan.cut_nodes.front().pixels()) mean += nodes;
-  mean /= static_cast<double>(plan.cut_nodes.front().size());
+  const double mean = mean_of(as_floats(plan.cut_nodes.front()));
   FigureSheet sheet{
       title_ + text(": maps of samples, %.1f a pixel each", mean), 4, {}, {node_scale()}};
   struct Named {

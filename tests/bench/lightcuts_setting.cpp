@@ -106,6 +106,12 @@ Plane<float> as_floats(const Plane<std::uint16_t>& nodes) {
   return plane;
 }
 
+double mean_of(const Plane<float>& plane) {
+  double sum = 0.0;
+  for (const float value : plane.pixels()) sum += static_cast<double>(value);
+  return sum / static_cast<double>(plane.size());
+}
+
 FoveationMap LightcutsSetting::map() const {
   return {{{view.grid, view.gaze, display.pixel_tangent()}}, {}};
 }

@@ -17,6 +17,7 @@ using image::Plane;
 
 /// Nodes of each pixel's cut, as numbers to draw and to take means of.
 Plane<float> as_floats(const Plane<std::uint16_t>& nodes);
+double mean_of(const Plane<float>& plane);
 
 struct LightcutsSetting {
   std::shared_ptr<kernels::SceneTimeline> timeline;

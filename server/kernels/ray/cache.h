@@ -29,9 +29,6 @@ struct CacheInfo {
 /// How the memory holds radiance: by its square root, about as displays encode it. Moving it
 /// between cells blurs it, and a blur of radiance would brighten what is shown of fine bright
 /// detail.
-inline Texel held(const Rgb& radiance) {
-  return Texel(glm::sqrt(glm::max(radiance, Rgb{0.0F})));
-}
 inline Rgb radiance_of(const Texel& held) {
   return held.rgb() * held.rgb();
 }
@@ -41,8 +38,8 @@ inline Rgb radiance_of(const Texel& held) {
 /// means. A mean of quotients would be too bright where a glint brightens what reflects little.
 /// `sampled` and `reflectance` are empty in scenes where chance estimates nothing.
 struct Cache {
-  Plane<Texel> color;        ///< emission and lights without extent, held()
-  Plane<Texel> sampled;      ///< area, ambient and environment light as reflected, held()
+  Plane<Texel> color;        ///< emission and lights without extent, as its root
+  Plane<Texel> sampled;      ///< area, ambient and environment light as reflected, as its root
   Plane<Texel> reflectance;  ///< directional, [0, 1]
   Plane<CacheInfo> info;
   /// 1/m, of view depth: 0 where nothing was hit, kNothing where nothing is remembered.

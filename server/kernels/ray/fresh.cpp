@@ -6,12 +6,6 @@
 
 namespace macula::kernels::ray {
 
-reconstruction::Texel FreshSample::chroma() const {
-  const Rgb c = color();
-  return reconstruction::Texel({0.25F * c.x + 0.5F * c.y + 0.25F * c.z, 0.5F * c.x - 0.5F * c.z,
-                                -0.25F * c.x + 0.5F * c.y - 0.25F * c.z});
-}
-
 void FreshSamples::prepare(int width, int height, unsigned wanted, std::size_t cells) {
   constexpr int kWidth = static_cast<int>(kBatch);
   // Two lists leave two batches that are not full; vectors reach beyond the last sample.
@@ -28,7 +22,18 @@ void FreshSamples::prepare(int width, int height, unsigned wanted, std::size_t c
 
 void FreshSamples::add_chroma(int row, std::size_t cells) {
   const std::size_t first = static_cast<std::size_t>(row) * kBatch;
-  for (std::size_t at = first; at < first + cells; ++at) chroma_.data()[at] = sample(at).chroma();
+  for (std::size_t at = first; at < first + cells; ++at) {
+    const Rgb c = color(at);
+    chroma_.data()[at] =
+        reconstruction::Texel({0.25F * c.x + 0.5F * c.y + 0.25F * c.z, 0.5F * c.x - 0.5F * c.z,
+                               -0.25F * c.x + 0.5F * c.y - 0.25F * c.z});
+  }
+}
+
+/// Radiance without the light that chance estimates.
+Rgb FreshSamples::color(std::size_t at) const {
+  if (planes_.light.empty()) return glm::max(radiance(at), Rgb{0.0F});
+  return glm::max(radiance(at) - light(at) * reflectance(at), Rgb{0.0F});
 }
 
 int FreshSamples::place(std::span<const image::Pixel> cells) {

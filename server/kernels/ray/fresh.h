@@ -13,21 +13,6 @@
 
 namespace macula::kernels::ray {
 
-/// One traced cell's.
-struct FreshSample {
-  Rgb radiance{0.0F};
-  float depth_m = 0.0F;
-  Rgb light{0.0F};        ///< of area, ambient and environment, per unit of reflectance
-  Rgb reflectance{0.0F};  ///< directional, [0, 1]
-
-  /// That light as it is reflected.
-  Rgb sampled() const { return light * reflectance; }
-  /// Radiance without it.
-  Rgb color() const { return glm::max(radiance - sampled(), Rgb{0.0F}); }
-  /// color() in YCoCg.
-  reconstruction::Texel chroma() const;
-};
-
 class FreshSamples {
  public:
   static constexpr std::size_t kBatch = std::size_t{kTileSide} * kTileSide;
@@ -48,13 +33,7 @@ class FreshSamples {
 
   /// Where a traced cell's sample lies in every plane; some valid place for other cells.
   std::size_t at(int x, int y) const { return places_(x, y); }
-  FreshSample sample(std::size_t at) const {
-    FreshSample found{planes_.radiance.data()[at], planes_.depth_m.data()[at]};
-    if (planes_.light.empty()) return found;
-    found.light = planes_.light.data()[at], found.reflectance = planes_.reflectance.data()[at];
-    return found;
-  }
-  /// Sends for what sample() and chroma() read.
+  /// Sends for a sample: all that memory is blended with.
   void fetch(std::size_t at) const {
     __builtin_prefetch(planes_.radiance.data() + at), __builtin_prefetch(chroma_.data() + at);
     __builtin_prefetch(planes_.depth_m.data() + at);
@@ -73,6 +52,8 @@ class FreshSamples {
   std::uint32_t surface_id(std::size_t at) const { return planes_.surface_id.data()[at]; }
 
  private:
+  Rgb color(std::size_t at) const;
+
   ViewBuffers planes_;
   image::Plane<reconstruction::Texel> chroma_;
   image::Plane<std::uint32_t> places_;  ///< by cell

@@ -83,7 +83,7 @@ HWY_INLINE HWY_ATTR FourVec load(const Texel& texel) {
 HWY_INLINE HWY_ATTR void store(FourVec v, Texel& texel) {
   hn::Store(v, Four(), &texel.r);
 }
-/// As the memory holds radiance; see held().
+/// As the memory holds radiance: radiance_of() takes it back.
 HWY_INLINE HWY_ATTR FourVec root(FourVec radiance) {
   return hn::Sqrt(hn::Max(radiance, hn::Zero(Four())));
 }
@@ -95,7 +95,8 @@ HWY_INLINE HWY_ATTR FourVec between(FourVec a, FourVec b, float t) {
   return hn::MulAdd(hn::Set(Four(), t), hn::Sub(b, a), a);
 }
 
-/// A FreshSample.
+/// One traced cell's sample: radiance without the light that chance estimates, that light as it is
+/// reflected, and what reflects it.
 struct Fresh {
   const Rgb& radiance;
   float depth_m;

@@ -40,7 +40,7 @@ class Frame {
     prepare_cache(then_, kWidth, kHeight, false, 0);
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        then_.color(x, y) = held(color(x, y, 4));
+        then_.color(x, y) = Texel(glm::sqrt(color(x, y, 4)));
         then_.info(x, y) = {8.0F, 8.0F, 1};
         then_.inverse_depth(x, y) =
             chance(x, y, 7) < 0.05F ? Cache::kNothing : 1.0F / depth_m(x, y);
