@@ -18,9 +18,13 @@ struct AtrousPass {
 void smooth_row(const SurfacePlanes& surfaces, const WidePlane& reach, float pass,
                 const AtrousPass& how, const LightPlanes& from, int y, LightPlanes& to);
 
-/// Light of row y, where it is the mean of fewer than `enough` samples, no brighter than the
-/// brightest like surface beside it; its luminance is written.
-void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& samples, float enough,
+/// What makes light a spike: the mean of few samples, many times as bright as all beside it.
+struct SpikeRule {
+  float enough = 1.0F;  ///< samples: the mean of so many is none
+  float times = 1.0F;   ///< as bright as the brightest like surface beside it, >= 1
+};
+/// Light of row y, none brighter than the rule allows; its luminance is written.
+void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& samples, const SpikeRule& rule,
                     const LightPlanes& from, int y, LightPlanes& to);
 
 /// Mean and standard deviation of `values` over the cells within two with a surface, and the number

@@ -142,8 +142,9 @@ HWY_ATTR void smooth_row(const SurfacePlanes& surfaces, const WidePlane& reach, 
   }
 }
 
-HWY_ATTR void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& samples, float enough,
-                             const LightPlanes& from, int y, LightPlanes& to) {
+HWY_ATTR void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& samples,
+                             const SpikeRule& rule, const LightPlanes& from, int y,
+                             LightPlanes& to) {
   const Floats d;
   for (int x = 0; x < surfaces.width(); x += static_cast<int>(hn::Lanes(d))) {
     const Seen mine(surfaces, y, x);
@@ -161,7 +162,8 @@ HWY_ATTR void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& sam
         most = hn::IfThenElse(like, hn::Max(most, bright), most);
       }
     }
-    const auto is_few = hn::Lt(hn::LoadU(d, samples.row(y) + x), hn::Set(d, enough));
+    const auto is_few = hn::Lt(hn::LoadU(d, samples.row(y) + x), hn::Set(d, rule.enough));
+    most = hn::Mul(most, hn::Set(d, rule.times));
     const auto is_spike = hn::And(is_few, hn::And(hn::Ge(most, hn::Zero(d)), hn::Gt(own, most)));
     const auto scale = hn::IfThenElse(is_spike, hn::Div(most, own), hn::Set(d, 1.0F));
     hn::StoreU(hn::Mul(scale, r), d, to.r.row(y) + x);
@@ -208,9 +210,9 @@ void smooth_row(const SurfacePlanes& surfaces, const WidePlane& reach, float pas
                 const AtrousPass& how, const LightPlanes& from, int y, LightPlanes& to) {
   HWY_DYNAMIC_DISPATCH(smooth_row)(surfaces, reach, pass, how, from, y, to);
 }
-void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& samples, float enough,
+void cut_spikes_row(const SurfacePlanes& surfaces, const WidePlane& samples, const SpikeRule& rule,
                     const LightPlanes& from, int y, LightPlanes& to) {
-  HWY_DYNAMIC_DISPATCH(cut_spikes_row)(surfaces, samples, enough, from, y, to);
+  HWY_DYNAMIC_DISPATCH(cut_spikes_row)(surfaces, samples, rule, from, y, to);
 }
 void spread_row(const WidePlane& distance_m, const WidePlane& values, int y, Spread& spread) {
   HWY_DYNAMIC_DISPATCH(spread_row)(distance_m, values, y, spread);

@@ -18,13 +18,16 @@ enum class CutSizes { Uniform, Perceived };
 /// Reservoirs: both as candidates for a few rays, and what the last frame's rays found.
 enum class LightSource { Walks, LowResolution, Reservoirs };
 
-struct ReservoirConfig {
-  int nodes_a_ray = 3;  ///< of a cut: one ray to the draws of so many, at least one; >= 1
-  int most_rays = 8;    ///< a point and frame, for its own draws
-  /// Of a point whose cut has so many nodes.
-  int rays(int nodes) const {
-    return std::clamp((nodes + nodes_a_ray - 1) / nodes_a_ray, 1, most_rays);
+/// Rays of a cell whose cut may have so many nodes: one for `nodes_a_ray` of them, within bounds.
+struct RayShare {
+  int nodes_a_ray = 1, least = 1, most = 1024;  ///< >= 1
+  int of(int nodes) const {
+    return std::clamp((nodes + nodes_a_ray - 1) / nodes_a_ray, least, std::max(least, most));
   }
+};
+
+struct ReservoirConfig {
+  RayShare rays{2, 1, 16};        ///< to a point's own draws
   float most_confidence = 20.0F;  ///< frames that memory counts for at most
   /// Rays that find out whether a neighbour sees a light at all. Without them the last frame's
   /// point is taken to see what this one sees: where it does not, some light is lost.
@@ -54,10 +57,11 @@ struct Config {
   int most_nodes = 48;     ///< of a cut where the map is 1, >= 1
   int least_nodes = 2;     ///< of any cut, >= 1; most_nodes where that is less
   int low_resolution = 8;  ///< cells of the grid along a side of one of the low-resolution picture
-  int low_nodes = 16;      ///< of the cuts there; 0: no such picture, the map goes without contrast
+  int low_nodes = 8;       ///< of the cuts there; 0: no such picture, the map goes without contrast
   LightSource source = LightSource::LowResolution;
   int kept_nodes = 48;  ///< of the cuts whose draws are kept for others; not Walks
   ReservoirConfig reservoirs;
+  RayShare gloss_rays{2, 3, 16};  ///< of a glossy cell, along its lobe
   // ---- any size ----
   Denoise denoise = Denoise::No;
   StereoReuse stereo = StereoReuse::No;

@@ -33,6 +33,10 @@ struct CutPlan {
   /// points' lobes, or without a part of them.
   Gloss gloss = Gloss::No;
   float lamp_area_m2 = 0.0F;  ///< of a lamp's triangle, as lamp_area() has it; with gloss
+  /// Whether all light is joined with its neighbours' and the last frames' by the denoiser, which
+  /// cannot average away what these err alike: then large cuts take nothing from low pixels, and
+  /// small ones nothing from the last frame's reservoirs.
+  bool smoothed = false;
 };
 
 struct CutWork {

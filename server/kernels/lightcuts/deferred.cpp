@@ -137,7 +137,8 @@ class Frame {
             perceived() ? &plan_.maps[v].map : nullptr,
             draws ? &low_[v] : nullptr,
             gloss_,
-            lamp_area_m2_};
+            lamp_area_m2_,
+            denoises()};
   }
   /// How far the denoiser smooths.
   void look(std::size_t v) {

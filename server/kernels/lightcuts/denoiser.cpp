@@ -19,8 +19,10 @@ static_assert(2 << (kMostPasses - 1) == kDenoiseReach);
 constexpr float kPerDegree = std::numbers::pi_v<float> / 180.0F;
 /// Memory of fewer frames is smoothed by a pass more.
 constexpr float kShortMemory = 4.0F;
-/// The mean of so many samples is no spike, however bright.
+/// Samples of a cell that are many.
 constexpr float kEnoughSamples = 8.0F;
+/// Of few samples one is often the brightest around; cut to the next, all of them darken.
+constexpr reconstruction::SpikeRule kSpikes{kEnoughSamples, 8.0F};
 constexpr reconstruction::MemoryConfig kMemory;
 
 /// Within so many degrees of the gaze more than one pass over the mean of many samples takes more
@@ -53,7 +55,7 @@ class Denoiser {
   scheduling::Outcome run() {
     if (gather()) return kStopped;
     if (bands_.run(bands_.around(kBoundRows + kJudgedRows + kFirstRows), [&](int y) {
-          cut_spikes_row(memory_.surfaces, memory_.fresh, kEnoughSamples, now_, y, memory_.mean);
+          cut_spikes_row(memory_.surfaces, memory_.fresh, kSpikes, now_, y, memory_.mean);
         }) == kStopped) {
       return kStopped;
     }

@@ -171,8 +171,7 @@ float lamp_area(const SceneFrame& scene) {
 }
 
 int gloss_rays(const Config& config, int nodes) {
-  if (config.sizes == CutSizes::Uniform || config.source != LightSource::Reservoirs) return nodes;
-  return config.reservoirs.rays(nodes);
+  return config.sizes == CutSizes::Uniform ? nodes : config.gloss_rays.of(nodes);
 }
 
 namespace {

@@ -82,7 +82,7 @@ constexpr std::array kKnobs{
             }},
     CutKnob{"rays", "1 to 64",
             [](Config& c, std::string_view value) {
-              return turn_number(c.reservoirs.most_rays, value, 1, 64);
+              return turn_number(c.reservoirs.rays.most, value, 1, 64);
             }},
     CutKnob{"denoise", "no, yes", turn_denoise},
     CutKnob{"stereo_reuse", "no, yes", turn_stereo},

@@ -123,7 +123,7 @@ class TileReservoirs {
     for (std::size_t k = first; k < last; ++k) sum += worth(drawn_[k].answer.reflected);
     if (!(sum > 0.0)) return;
     const auto nodes = static_cast<int>(last - first);
-    const int rays = config_.rays(nodes);
+    const int rays = config_.rays.of(nodes);
     const double step = sum / rays;
     const auto u =
         static_cast<double>(sampling::sample(tile_.points.keys[point], kChooseDimension));
@@ -151,7 +151,10 @@ class TileReservoirs {
   void recall() {
     pairs_.assign(tile_.points.count, 0);
     if (last_ == nullptr || last_->reservoirs.empty()) return;
-    for (std::uint32_t point = 0; point < tile_.points.count; ++point) recall_at(point);
+    for (std::uint32_t point = 0; point < tile_.points.count; ++point) {
+      const image::Pixel cell = tile_.pixel(point);
+      if (!plan_.smoothed || plan_.nodes(cell.x, cell.y) >= kLargeCut) recall_at(point);
+    }
     ask(
         recalled_.size(),
         [&](std::size_t k) {

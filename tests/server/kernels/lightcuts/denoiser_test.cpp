@@ -73,7 +73,7 @@ TEST(Denoiser, NoiseOnEachSideOfACornerGoesAndTheSidesStayApart) {
   for (int x = 0; x < kSide; ++x) EXPECT_EQ(after(x, kSide - 1), light(x, kSide - 1));
 }
 
-TEST(Denoiser, EvenLightStaysAndALoneSpikeGoes) {
+TEST(Denoiser, EvenLightStaysAndALoneSpikeAlmostGoes) {
   Plane<Rgb> light(kSide, kSide, Rgb{0.7F, 0.5F, 0.3F});
   const Plane<Rgb> even = smoothed(light);
   light(3, 5) = Rgb{900.0F};
@@ -81,9 +81,26 @@ TEST(Denoiser, EvenLightStaysAndALoneSpikeGoes) {
   for (int y = 0; y + 1 < kSide; ++y) {
     for (int x = 0; x < kSide; ++x) {
       EXPECT_NEAR(even(x, y).x, 0.7F, 1e-6F);
-      EXPECT_LT(after(x, y).x, 0.8F);
+      EXPECT_LT(after(x, y).x, 2.0F) << "of 900";
     }
   }
+}
+
+/// Smoothing within the noise darkens what is skewed a little; spikes cut to the brightest beside
+/// them, however like it, would take away twice as much.
+TEST(Denoiser, FewSamplesKeepTheirMean) {
+  Plane<Rgb> light(kSide, kSide);
+  double before = 0.0, after = 0.0;
+  for (int y = 0; y + 1 < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      light(x, y) = Rgb{-std::log(1.0F - noise(x, y))};
+      before += static_cast<double>(light(x, y).x);
+    }
+  }
+  light = smoothed(light);
+  for (int y = 0; y + 1 < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) after += static_cast<double>(light(x, y).x);
+  EXPECT_GT(after, 0.85 * before);
 }
 
 TEST(Denoiser, SmoothsWhatManySamplesFoundNearTheGazeLessThanTheRest) {

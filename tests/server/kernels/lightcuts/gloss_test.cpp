@@ -192,12 +192,11 @@ TEST(GlossPass, TheSamePictureComesFromAnyNumberOfThreads) {
 TEST(GlossPass, SendsFewerRaysWhereTheEyeSeesLess) {
   Config config = make_config({});
   config.sizes = CutSizes::Perceived;
-  config.source = LightSource::LowResolution;
+  EXPECT_EQ(gloss_rays(config, 1), config.gloss_rays.least);
+  EXPECT_EQ(gloss_rays(config, 12), 6);
+  EXPECT_EQ(gloss_rays(config, 48), config.gloss_rays.most);
+  config.sizes = CutSizes::Uniform;
   EXPECT_EQ(gloss_rays(config, 48), 48);
-  EXPECT_EQ(gloss_rays(config, 1), 1);
-  config.source = LightSource::Reservoirs;
-  EXPECT_EQ(gloss_rays(config, 48), config.reservoirs.most_rays);
-  EXPECT_EQ(gloss_rays(config, 1), 1);
 }
 
 /// A bronze ball, a lamp and, if `bounced`, a virtual light.

@@ -255,6 +255,21 @@ TEST(LightcutsKernel, MemoryAndSmoothingEachTakeNoiseAway) {
   EXPECT_LT(smoothed, 0.7 * kept);
 }
 
+/// What neighbours take from one low pixel they err alike, which smoothing would keep.
+TEST(LightcutsKernel, LargeCutsTakeNothingFromOthersWhereTheyAreSmoothed) {
+  const auto scene = room_of_lamps(40);
+  TileScheduler scheduler;
+  const auto taken = [&](int nodes, Denoise denoise) {
+    Config config = perceived();
+    config.low_resolution = 4, config.least_nodes = config.most_nodes = nodes;
+    config.denoise = denoise;
+    return third_frame(LightcutsKernel(config), *scene, 3, scheduler).report.taken_nodes;
+  };
+  EXPECT_GT(taken(12, Denoise::No), 0U);
+  EXPECT_EQ(taken(12, Denoise::Yes), 0U);
+  EXPECT_GT(taken(4, Denoise::Yes), 0U);
+}
+
 /// Both views of a request are what each is alone, memory included.
 TEST(LightcutsKernel, WithoutReuseTwoViewsAreLitAsEachAlone) {
   const auto scene = room_of_lamps(60);
