@@ -27,7 +27,8 @@ struct RayShare {
 };
 
 struct ReservoirConfig {
-  RayShare rays{2, 1, 16};        ///< to a point's own draws
+  /// To a point's own draws. Small cuts draw by what lights bring: leaving draws out gains nothing.
+  RayShare rays{2, 2, 16};
   float most_confidence = 20.0F;  ///< frames that memory counts for at most
   /// Rays that find out whether a neighbour sees a light at all. Without them the last frame's
   /// point is taken to see what this one sees: where it does not, some light is lost.
