@@ -20,9 +20,9 @@ enum class LightSource { Walks, LowResolution, Reservoirs };
 
 /// Rays of a cell whose cut may have so many nodes: one for `nodes_a_ray` of them, within bounds.
 struct RayShare {
-  int nodes_a_ray = 1, least = 1, most = 1024;  ///< >= 1
+  int nodes_a_ray = 1, least = 1, most = 1024;  ///< >= 1; `least` gives way to `most`
   int of(int nodes) const {
-    return std::clamp((nodes + nodes_a_ray - 1) / nodes_a_ray, least, std::max(least, most));
+    return std::clamp((nodes + nodes_a_ray - 1) / nodes_a_ray, std::min(least, most), most);
   }
 };
 

@@ -13,7 +13,7 @@
 namespace macula::kernels::lightcuts {
 
 /// Fewer nodes know less of what matters than a low pixel's rays; so many are the better strata.
-constexpr std::uint32_t kLargeCut = 8;
+inline constexpr std::uint32_t kLargeCut = 8;
 
 /// The `round`-th node of a point's cut.
 struct CutNode {
@@ -71,18 +71,19 @@ class NodeChoices {
     const lights::Receiver receiver = receiver_of(tile_.points, i);
     const auto point = static_cast<std::uint32_t>(i);
     const std::uint32_t nodes = plan_.nodes(cell.x, cell.y);
-    std::optional<LowNeighbours> low;
-    if (plan_.low != nullptr) low.emplace(*plan_.low, cell, receiver);
-    if (low && !low->any()) low.reset();
     // With a node for every light nothing need be left to chance.
     const bool by_node = nodes >= kLargeCut || nodes >= tree_.light_count();
+    std::optional<LowNeighbours> low;
+    if (plan_.low != nullptr && !(by_node && plan_.smoothed))
+      low.emplace(*plan_.low, cell, receiver);
+    if (low && !low->any()) low.reset();
     const std::uint32_t taken = low && !by_node ? take(point, nodes, *low) : 0;
     if (taken == nodes) return;
     lights::LightWalk(tree_, receiver).cut(nodes - taken, cut_);
     const double share = static_cast<double>(nodes - taken) / nodes;
     for (std::uint32_t r = 0; r < cut_.nodes.size(); ++r) {
       const CutNode node{point, taken + r};
-      if (low && by_node && !plan_.smoothed && takes(node, *low, cut_.nodes[r])) continue;
+      if (low && by_node && takes(node, *low, cut_.nodes[r])) continue;
       add_walk(node, receiver, cut_.nodes[r], share);
     }
   }

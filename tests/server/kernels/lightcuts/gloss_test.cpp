@@ -195,6 +195,8 @@ TEST(GlossPass, SendsFewerRaysWhereTheEyeSeesLess) {
   EXPECT_EQ(gloss_rays(config, 1), config.gloss_rays.least);
   EXPECT_EQ(gloss_rays(config, 12), 6);
   EXPECT_EQ(gloss_rays(config, 48), config.gloss_rays.most);
+  config.gloss_rays.most = 1;
+  EXPECT_EQ(gloss_rays(config, 1), 1) << "no more than the most, whatever the least is";
   config.sizes = CutSizes::Uniform;
   EXPECT_EQ(gloss_rays(config, 48), 48);
 }
